@@ -1,0 +1,37 @@
+# pellicle_library(NAME FOLDER dir SOURCES ... PUBLIC deps... PRIVATE deps...)
+#
+# One static library per folder. Headers are included as "pellicle/<folder>/<header>.h": the build tree holds one
+# link per folder, so that sources and an installed copy spell an include alike. A pellicle:: dependency that is
+# not defined yet is an error, which is what keeps the folders free of cycles.
+add_library(pellicle_warnings INTERFACE)
+target_compile_options(pellicle_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                       -Woverloaded-virtual -Wcast-align $<$<BOOL:${PELLICLE_WERROR}>:-Werror>)
+if(PELLICLE_SANITIZE)
+  target_compile_options(pellicle_warnings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+                         -fno-omit-frame-pointer -g1)
+  target_link_options(pellicle_warnings INTERFACE -fsanitize=address,undefined)
+endif()
+
+set(PELLICLE_INCLUDE_LINKS ${CMAKE_BINARY_DIR}/include CACHE INTERNAL "")
+file(MAKE_DIRECTORY ${PELLICLE_INCLUDE_LINKS}/pellicle)
+
+function(pellicle_library name)
+  cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  foreach(dep IN LISTS ARG_PUBLIC ARG_PRIVATE)
+    if(dep MATCHES "^pellicle::" AND NOT TARGET ${dep})
+      message(FATAL_ERROR "${name} uses ${dep}, which lies above it: dependencies run downward only")
+    endif()
+  endforeach()
+  set(target pellicle_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(pellicle::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${PELLICLE_INCLUDE_LINKS}/pellicle/${ARG_FOLDER} SYMBOLIC)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PELLICLE_INCLUDE_LINKS}>
+                                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:pellicle_warnings>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_property(GLOBAL APPEND PROPERTY PELLICLE_LIBRARIES ${target})
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pellicle/${ARG_FOLDER}
+          FILES_MATCHING PATTERN "*.h")
+endfunction()

@@ -1,0 +1,19 @@
+#pragma once
+/// Vectors and frames. World is LPS mm (ITK's and DICOM's patient frame: +x left, +y posterior, +z superior); RAS
+/// differs by the sign of x and y. An index is a voxel centre, x fastest. Names say the frame: `x_in_world`,
+/// `world_from_index`.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+
+namespace pellicle {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Index3 = std::array<int, 3>;
+
+/// LPS <-> RAS, its own inverse.
+inline Vec3 flip_lps_ras(const Vec3& x) { return {-x.x(), -x.y(), x.z()}; }
+
+}  // namespace pellicle

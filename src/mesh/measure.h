@@ -1,0 +1,34 @@
+#pragma once
+/// What a mesh measures, and whether it is a proper surface.
+
+#include <cstddef>
+#include <string>
+
+#include "pellicle/mesh/triangle_mesh.h"
+
+namespace pellicle {
+
+double area_of(const TriangleMesh& mesh);    ///< mm^2
+/// Divergence theorem on flat facets, mm^3; positive for outward orientation. Meaningful for closed meshes only.
+double volume_of(const TriangleMesh& mesh);
+/// 4th order in the facet size where vertex normals are exact (models.md 1.7): flat volume plus the mean height of the
+/// cubic patch over each facet. \pre normals are present.
+double volume_with_normals(const TriangleMesh& mesh);
+Vec3 centroid_of(const TriangleMesh& mesh);  ///< of the enclosed solid
+
+/// Combinatorial health.
+struct MeshTopology {
+  bool closed = false;      ///< every edge has exactly two facets
+  bool manifold = false;    ///< no edge with more than two facets, one fan a vertex
+  bool oriented = false;    ///< every inner edge is run through once each way
+  int components = 0;
+  int euler = 0;            ///< V - E + F (vertices in use)
+  int genus = 0;            ///< sum over components; valid when closed, manifold and oriented
+  std::string first_fault;  ///< e.g. "edge 12-57 has 3 facets"; empty when all is well
+};
+MeshTopology topology_of(const TriangleMesh& mesh);
+
+/// Pairs of facets without a common vertex that cut each other (Embree collision, exact triangle test after).
+std::size_t self_intersection_count(const TriangleMesh& mesh);
+
+}  // namespace pellicle
