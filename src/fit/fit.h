@@ -1,0 +1,85 @@
+#pragma once
+/// Fitting one surface to one object.
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pellicle/fit/settings.h"
+#include "pellicle/seed/seed.h"
+
+namespace pellicle {
+
+/// A bad fit is data, not an exception.
+enum class FitStatus {
+  ok,
+  doubtful,       ///< converged, but the evidence along the surface is weak
+  ambiguous,      ///< another hypothesis explains the image nearly as well
+  not_converged,  ///< step limit reached while still moving
+  no_contrast,    ///< no edge to be found
+  leaked,         ///< ran away: grew far beyond what the seed saw, with edgeless parts
+  collapsed,      ///< shrank to nothing
+  folded,         ///< the surface cuts itself
+  inside_out,     ///< negative volume
+  left_image,     ///< a large part lies outside the volume
+};
+std::string to_string(FitStatus status);
+
+/// What the original image says of a surface (docs/energies.md).
+struct Evidence {
+  double score = 0.0;          ///< p25(away) / (sd inside + noise/2) x share inside the image; < 0.3 is not to be trusted
+  double contrast = 0.0;       ///< median over samples of |inside - outside|, in intensity units
+  double noise = 0.0;          ///< robust sd of the image about its local median
+  double weak_share = 1.0;     ///< share of the area with less than a quarter of the median contrast
+  double outside_share = 0.0;  ///< share of the area outside the image
+};
+
+struct StageSummary {
+  std::string name;
+  int detail = 0, control_points = 0, degrees_of_freedom = 0, samples = 0;
+  int steps = 0;               ///< targets drawn anew
+  int solver_iterations = 0;   ///< Levenberg-Marquardt or L-BFGS iterations, all steps
+  std::string reason;          ///< "converged", "step limit", "held-out samples got worse", ...
+  double last_move_mm = -1.0;  ///< area-mean normal move of the last step
+  double rms_residual_mm = -1.0;
+  std::map<std::string, double> energy_before, energy_after;  ///< weighted, by name
+  double seconds = 0.0;
+};
+
+/// One way to read the image (polarity, levels, seed, range) that was fitted and judged.
+struct HypothesisSummary {
+  std::string name;
+  FitStatus status = FitStatus::ok;
+  double evidence = 0.0, volume_ml = 0.0;
+  bool chosen = false;
+};
+
+struct FitSummary {
+  FitStatus status = FitStatus::no_contrast;
+  std::string reason;                ///< one sentence for the status
+  std::vector<StageSummary> stages;  ///< of the chosen hypothesis
+  std::vector<HypothesisSummary> hypotheses;
+  double margin = -1.0;              ///< evidence of the best over that of the runner-up that is another shape; -1: one only
+  Evidence evidence;
+  Polarity polarity = Polarity::automatic;
+  Boundary boundary = Boundary::step;
+  double level_inside = 0.0, level_outside = 0.0;  ///< medians at the surface, intensity units
+  int iterations() const;            ///< all stages
+};
+
+struct FitResult {
+  Surface surface;
+  FitSummary summary;
+};
+
+/// Called now and then with a share done 0..1 and what is going on.
+using Progress = std::function<void(double share, const std::string& what)>;
+
+/// \param image whole volume, LPS mm.
+/// \param seeds one or more candidates for the same object (automatic seeding gives several); each is a hypothesis.
+/// \throws UsageError for settings that break a rule; Interrupted.
+FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
+                      const Progress& progress = {});
+
+}  // namespace pellicle
