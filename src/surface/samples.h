@@ -2,6 +2,8 @@
 /// Sample points of a surface: all that an energy ever sees of it.
 
 #include <array>
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "pellicle/base/geometry.h"
@@ -18,15 +20,18 @@ struct SamplePatch {
   int columns() const { return 3 * static_cast<int>(blocks.size()); }
 };
 
+struct TriangleRefinement;
+
 /// Which samples a model has at one density, how they depend on the parameters and how they hang together. Constant as
 /// long as the model's control mesh is.
 struct SampleLayout {
-  int level = 0;                                ///< density: 2^level intervals along a control edge
-  std::vector<SamplePatch> patches;             ///< samples are ordered by patch
-  std::vector<int> patch_of;                    ///< owner of each sample
-  std::vector<std::array<int, 3>> triangles;    ///< closed, outward mesh over the samples
-  std::vector<Vec3> on_unit_sphere;             ///< where each sample lies when the model forms the unit sphere (genus 0)
-  std::vector<int> owned_local;                 ///< model's own: local number of each sample within its patch
+  int level = 0;                              ///< density: 2^level intervals along a control edge
+  std::vector<SamplePatch> patches;           ///< samples are ordered by patch
+  std::vector<int> patch_of;                  ///< owner of each sample
+  std::vector<std::array<int, 3>> triangles;  ///< closed, outward mesh over the samples
+  std::vector<Vec3> on_unit_sphere;           ///< where each sample lies when the model forms the unit sphere (genus 0)
+  std::vector<int> owned_local;               ///< model's own: local number of each sample within its patch
+  std::shared_ptr<const TriangleRefinement> refinement;  ///< model's own: how one patch is refined
   int sample_count() const { return static_cast<int>(patch_of.size()); }
 };
 
