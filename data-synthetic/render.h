@@ -1,0 +1,21 @@
+#pragma once
+/// From an exact solid to voxels.
+
+#include <cstdint>
+
+#include "pellicle/image/image.h"
+#include "pellicle/mesh/triangle_mesh.h"
+#include "pellicle/synthetic/shapes.h"
+
+namespace pellicle {
+
+/// Voxels whose centres lie inside the body. \param surface dense mesh of it, which tells where to look closely.
+Image<std::uint8_t> mask_of(const Body& body, const TriangleMesh& surface, const ImageGrid& grid);
+
+/// What the voxels see of a body: the indicator function of the solid (or of a membrane of the given thickness
+/// centred on its surface, when that is above 0), convolved with a Gaussian of standard deviation `blur_mm` and
+/// averaged over each voxel's box. Errors stay below about 1e-3 for objects of ten voxels and more.
+Image<float> fraction_of(const Body& body, const TriangleMesh& surface, const ImageGrid& grid, double membrane_mm,
+                         double blur_mm);
+
+}  // namespace pellicle
