@@ -41,7 +41,9 @@ void add_file(EVP_MD_CTX* context, const fs::path& path) {
 
 AtomicFile::AtomicFile(fs::path final_path) : final_(std::move(final_path)), temporary_(temporary_name(final_)) {
   std::ofstream probe(temporary_, std::ios::binary);
-  if (!probe) throw CannotCreate(fmt::format("cannot create output ({}): the folder is missing or not writable", final_.string()));
+  if (!probe)
+    throw CannotCreate(
+        fmt::format("cannot create output ({}): the folder is missing or not writable", final_.string()));
 }
 
 AtomicFile::~AtomicFile() {

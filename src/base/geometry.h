@@ -14,6 +14,8 @@ using Mat3 = Eigen::Matrix3d;
 using Index3 = std::array<int, 3>;
 
 /// LPS <-> RAS, its own inverse.
-inline Vec3 flip_lps_ras(const Vec3& x) { return {-x.x(), -x.y(), x.z()}; }
+inline Vec3 flip_lps_ras(const Vec3& x) {
+  return {-x.x(), -x.y(), x.z()};
+}
 
 }  // namespace pellicle

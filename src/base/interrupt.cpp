@@ -9,7 +9,9 @@ namespace pellicle {
 namespace {
 // The one piece of process-wide state: a signal handler has no other way to speak.
 volatile std::sig_atomic_t interrupted = 0;
-void raise_flag(int) { interrupted = 1; }
+void raise_flag(int) {
+  interrupted = 1;
+}
 }  // namespace
 
 void install_interrupt_handler() {

@@ -20,10 +20,13 @@ void parallel_for(std::size_t n, std::size_t grain, const std::function<void(std
 }
 
 ThreadLimit::ThreadLimit(int threads) {
-  const unsigned count = threads > 0 ? static_cast<unsigned>(threads) : std::max(1U, std::thread::hardware_concurrency());
+  const unsigned count =
+      threads > 0 ? static_cast<unsigned>(threads) : std::max(1U, std::thread::hardware_concurrency());
   control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, count);
 }
 
-ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+ThreadLimit::~ThreadLimit() {
+  delete static_cast<tbb::global_control*>(control_);
+}
 
 }  // namespace pellicle

@@ -14,9 +14,13 @@ std::uint64_t RandomEngine::next() {
   return z ^ (z >> 31);
 }
 
-double RandomEngine::uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+double RandomEngine::uniform() {
+  return static_cast<double>(next() >> 11) * 0x1.0p-53;
+}
 
-double RandomEngine::uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
+double RandomEngine::uniform(double lo, double hi) {
+  return lo + (hi - lo) * uniform();
+}
 
 double RandomEngine::normal() {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));

@@ -11,10 +11,10 @@ class RandomEngine {
  public:
   explicit RandomEngine(std::uint64_t seed) : state_(seed) {}
   std::uint64_t next();
-  double uniform();                       ///< in [0, 1)
-  double uniform(double lo, double hi);   ///< in [lo, hi)
-  double normal();                        ///< mean 0, variance 1 (Box-Muller)
-  std::uint64_t poisson(double mean);     ///< exact below mean 30, rounded normal above
+  double uniform();                      ///< in [0, 1)
+  double uniform(double lo, double hi);  ///< in [lo, hi)
+  double normal();                       ///< mean 0, variance 1 (Box-Muller)
+  std::uint64_t poisson(double mean);    ///< exact below mean 30, rounded normal above
 
  private:
   std::uint64_t state_;

@@ -28,10 +28,10 @@ std::string to_string(FitStatus status);
 
 /// What the original image says of a surface (docs/energies.md).
 struct Evidence {
-  double score = 0.0;          ///< p25(away) / (sd inside + noise/2) x share inside the image; < 0.3 is not to be trusted
-  double contrast = 0.0;       ///< median over samples of |inside - outside|, in intensity units
-  double noise = 0.0;          ///< robust sd of the image about its local median
-  double weak_share = 1.0;     ///< share of the area with less than a quarter of the median contrast
+  double score = 0.0;       ///< p25(away) / (sd inside + noise/2) x share inside the image; < 0.3 is not to be trusted
+  double contrast = 0.0;    ///< median over samples of |inside - outside|, in intensity units
+  double noise = 0.0;       ///< robust sd of the image about its local median
+  double weak_share = 1.0;  ///< share of the area with less than a quarter of the median contrast
   double outside_share = 0.0;  ///< share of the area outside the image
 };
 
@@ -60,12 +60,12 @@ struct FitSummary {
   std::string reason;                ///< one sentence for the status
   std::vector<StageSummary> stages;  ///< of the chosen hypothesis
   std::vector<HypothesisSummary> hypotheses;
-  double margin = -1.0;              ///< evidence of the best over that of the runner-up that is another shape; -1: one only
+  double margin = -1.0;  ///< evidence of the best over that of the runner-up that is another shape; -1: one only
   Evidence evidence;
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::step;
   double level_inside = 0.0, level_outside = 0.0;  ///< medians at the surface, intensity units
-  int iterations() const;            ///< all stages
+  int iterations() const;                          ///< all stages
 };
 
 struct FitResult {

@@ -12,8 +12,13 @@ namespace pellicle {
 
 enum class Polarity { automatic, bright, dark };  ///< object against its background
 enum class Boundary { automatic, step, ridge };   ///< a change of level, or a thin membrane along the surface
-enum class StartRule { automatic, sphere, rays, head };  ///< as seeded; ellipsoid through the first edges along rays; brain
-enum class Solver { least_squares, gradient };    ///< Levenberg-Marquardt, or L-BFGS on the scalar energies
+enum class StartRule {
+  automatic,
+  sphere,
+  rays,
+  head
+};                                              ///< as seeded; ellipsoid through the first edges along rays; brain
+enum class Solver { least_squares, gradient };  ///< Levenberg-Marquardt, or L-BFGS on the scalar energies
 
 /// One stage of a fit: which energies, with what weights, on what image, with how many control points.
 struct Stage {
@@ -24,27 +29,27 @@ struct Stage {
   double smoothing = 1.0;                  ///< Gaussian scale of the image force, in h of the working image
   double reach = 6.0;                      ///< furthest edge that is looked for along a normal, in h
   int max_steps = 20;
-  double tolerance = 0.05;                 ///< stop when the mean normal move falls below, in h
+  double tolerance = 0.05;  ///< stop when the mean normal move falls below, in h
   Solver solver = Solver::least_squares;
-  void validate() const;                   ///< \throws UsageError naming stage, key, value and rule
+  void validate() const;  ///< \throws UsageError naming stage, key, value and rule
 };
 
 struct FitSettings {
   SubdivisionRule rule = SubdivisionRule::smooth;
   StartSolid start_solid = StartSolid::tetrahedron;
   StartRule start_rule = StartRule::automatic;
-  std::optional<int> detail;               ///< at most so many refinements; default: the fit decides by evidence
+  std::optional<int> detail;  ///< at most so many refinements; default: the fit decides by evidence
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::automatic;
   std::optional<double> smoothing_mm;      ///< overrides Stage::smoothing
   std::map<std::string, double> energies;  ///< overrides or adds weights in every stage
   std::optional<double> target_volume_ml;
   double volume_weight = 1.0;
-  std::optional<int> max_iterations;       ///< overrides Stage::max_steps
-  std::optional<double> tolerance;         ///< overrides Stage::tolerance
-  bool similarity = true;                  ///< also try "alike the seed" hypotheses when levels are uncertain
-  std::vector<Stage> stages;               ///< empty: the default sequence for the start rule
-  void validate() const;                   ///< \throws UsageError
+  std::optional<int> max_iterations;  ///< overrides Stage::max_steps
+  std::optional<double> tolerance;    ///< overrides Stage::tolerance
+  bool similarity = true;             ///< also try "alike the seed" hypotheses when levels are uncertain
+  std::vector<Stage> stages;          ///< empty: the default sequence for the start rule
+  void validate() const;              ///< \throws UsageError
 };
 
 /// Every energy that a weight may be given to.

@@ -1,0 +1,40 @@
+#pragma once
+/// edge: the sub-voxel position of the boundary along each normal, robust.
+///
+/// Step edge (volume-conserving localiser): f = clip((P - b)/(a - b), -1/2, 3/2) on the unsmoothed image, a and b the
+/// local levels; t = int_{-w}^{w} f ds - w. Any symmetric point spread leaves the integral alone. Ridge (membrane):
+/// t = centroid of the profile above its two sides.
+/// Both lie s^2 (k1+k2)/2 inside the true surface when the image is blurred by s (first order in curvature; on a
+/// sphere s^2/R), which is added back; curvature is held fixed after the first steps, or it would be an anti-diffusion.
+/// Weights: contrast below the median counts less, below a quarter of it not at all; Cauchy weights for outliers.
+
+#include "pellicle/energies/geometry.h"
+#include "pellicle/energies/profiles.h"
+#include "pellicle/energies/rows.h"
+
+namespace pellicle {
+
+struct EdgeSettings {
+  double h = 1.0;       ///< mm
+  double window = 2.5;  ///< half width of the localiser, in h
+  bool ridge = false;
+  int sign = 0;  ///< sign of inside - outside (of ridge - sides) to be believed; 0: either
+};
+
+struct EdgeMeasurement {
+  NormalTargets targets;
+  std::vector<double> inside, outside;  ///< local levels (ridge: top and sides)
+  double median_contrast = 0.0;
+  double blur = 0.0;  ///< s in mm, from the mean profile's width, 0 when it cannot be told
+};
+
+/// \pre profiles of the unsmoothed image cover [-4h, 4h] and the window.
+EdgeMeasurement measure_edge(const Profiles& profiles, const SampleGraph& graph, const EdgeSettings& settings);
+
+/// Adds s^2 (k1+k2)/2 to the offsets; |k1+k2| is limited to a quarter per h.
+void add_curvature_correction(const std::vector<double>& curvature, double blur, double h, NormalTargets& targets);
+
+/// Multiplies the weights by 1/(1 + (t/(3 s))^2), s the robust spread of the offsets plus 0.05 h.
+void downweight_outliers(double h, NormalTargets& targets);
+
+}  // namespace pellicle

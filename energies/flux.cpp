@@ -1,0 +1,55 @@
+#include "pellicle/energies/flux.h"
+
+#include <algorithm>
+
+#include "pellicle/base/parallel.h"
+
+namespace pellicle {
+
+double flux(const std::array<CubicField, 3>& gradient, double scale, const std::vector<Vec3>& x,
+            const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx, std::vector<Vec3>& dE_da) {
+  std::vector<double> part(x.size());
+  parallel_for(x.size(), 128, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Vec3 field;
+      for (std::size_t c = 0; c < 3; ++c) {
+        Vec3 derivative;
+        field[static_cast<int>(c)] = gradient[c].value(x[i], derivative);
+        dE_dx[i] += scale * area_vector[i][static_cast<int>(c)] * derivative;
+      }
+      dE_da[i] += scale * field;
+      part[i] = field.dot(area_vector[i]);
+    }
+  });
+  double energy = 0.0;
+  for (const double p : part) energy += p;
+  return scale * energy;
+}
+
+std::array<Image<float>, 3> gradient_images(const Image<float>& image) {
+  const ImageGrid& grid = image.grid;
+  std::array<Image<float>, 3> out{Image<float>(grid), Image<float>(grid), Image<float>(grid)};
+  const Mat3 to_world = grid.index_from_world_matrix().transpose();
+  parallel_for(static_cast<std::size_t>(grid.size[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
+      for (int j = 0; j < grid.size[1]; ++j) {
+        for (int i = 0; i < grid.size[0]; ++i) {
+          const Index3 at{i, j, k};
+          Vec3 by_index;
+          for (std::size_t a = 0; a < 3; ++a) {
+            Index3 low = at, high = at;
+            low[a] = std::max(0, at[a] - 1);
+            high[a] = std::min(grid.size[a] - 1, at[a] + 1);
+            const double rise = image.at(high[0], high[1], high[2]) - image.at(low[0], low[1], low[2]);
+            by_index[static_cast<int>(a)] = high[a] > low[a] ? rise / (high[a] - low[a]) : 0.0;
+          }
+          const Vec3 g = to_world * by_index;
+          for (std::size_t a = 0; a < 3; ++a) out[a].at(i, j, k) = static_cast<float>(g[static_cast<int>(a)]);
+        }
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,64 @@
+#pragma once
+/// Residual energies, once their targets are drawn, are linear in the sample positions: r = C x - d. They hand over C
+/// and d; fit applies the chain rule to the parameters in one place.
+
+#include <vector>
+
+#include "pellicle/base/geometry.h"
+
+namespace pellicle {
+
+/// Rows r_k = sum_j c_kj . x_j - d_k with a 3-vector c_kj for every sample j of the row. Half the sum of squares is the
+/// energy in mm^2, so weights are square-rooted into C and d.
+struct ScalarRows {
+  std::vector<int> start{0}, sample;
+  std::vector<Vec3> coefficient;
+  std::vector<double> target;
+  std::size_t size() const { return target.size(); }
+  void add(int s, const Vec3& c) {
+    sample.push_back(s);
+    coefficient.push_back(c);
+  }
+  void close(double d) {
+    target.push_back(d);
+    start.push_back(static_cast<int>(sample.size()));
+  }
+  double residual(std::size_t row, const std::vector<Vec3>& x) const {
+    double r = -target[row];
+    for (auto k = static_cast<std::size_t>(start[row]); k < static_cast<std::size_t>(start[row + 1]); ++k) {
+      r += coefficient[k].dot(x[static_cast<std::size_t>(sample[k])]);
+    }
+    return r;
+  }
+};
+
+/// Rows of three residuals r_k = sum_j c_kj x_j with scalar c_kj: operators that treat the coordinates alike.
+struct VectorRows {
+  std::vector<int> start{0}, sample;
+  std::vector<double> coefficient;
+  std::size_t size() const { return start.size() - 1; }
+  void add(int s, double c) {
+    sample.push_back(s);
+    coefficient.push_back(c);
+  }
+  void close() { start.push_back(static_cast<int>(sample.size())); }
+  Vec3 residual(std::size_t row, const std::vector<Vec3>& x) const {
+    Vec3 r = Vec3::Zero();
+    for (auto k = static_cast<std::size_t>(start[row]); k < static_cast<std::size_t>(start[row + 1]); ++k) {
+      r += coefficient[k] * x[static_cast<std::size_t>(sample[k])];
+    }
+    return r;
+  }
+};
+
+/// Where each sample should go: along its normal, and how sure that is.
+struct NormalTargets {
+  std::vector<double> offset;  ///< mm, positive outward
+  std::vector<double> weight;  ///< >= 0; 1 is a clear edge
+};
+
+/// sum_i (A_i/A) w_i (n_i . (x_i - x0_i) - t_i)^2 as rows; samples without weight get none.
+ScalarRows offset_rows(const std::vector<Vec3>& x, const std::vector<Vec3>& normal, const std::vector<double>& area,
+                       const NormalTargets& targets, double energy_weight);
+
+}  // namespace pellicle

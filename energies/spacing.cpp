@@ -1,0 +1,46 @@
+#include "pellicle/energies/spacing.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "pellicle/energies/geometry.h"
+
+namespace pellicle {
+
+ScalarRows spacing_rows(const SampleLayout& layout, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
+                        const std::vector<double>& area, double energy_weight) {
+  const double total = sum(area);
+  ScalarRows rows;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+    const Vec3 t1 = normal[i].unitOrthogonal();
+    const Vec3 t2 = normal[i].cross(t1);
+    for (const Vec3& t : {t1, t2}) {
+      rows.add(static_cast<int>(i), root * t);
+      rows.close(root * t.dot(x[i]));
+    }
+  }
+  if (layout.on_unit_sphere.empty()) return rows;
+  constexpr double kLeastShare = 0.25;
+  const double r2 = total / (4.0 * std::numbers::pi);
+  const double root = std::sqrt(2.0 * energy_weight * r2 / static_cast<double>(layout.triangles.size()));
+  for (const auto& t : layout.triangles) {
+    const auto corner = [&](std::size_t c) { return static_cast<std::size_t>(t[c]); };
+    const auto& on = layout.on_unit_sphere;
+    const double reference = 0.5 * r2 * (on[corner(1)] - on[corner(0)]).cross(on[corner(2)] - on[corner(0)]).norm();
+    const Vec3 u = x[corner(1)] - x[corner(0)], v = x[corner(2)] - x[corner(0)];
+    const Vec3 mean = (normal[corner(0)] + normal[corner(1)] + normal[corner(2)]).normalized();
+    const double share = 0.5 * u.cross(v).dot(mean) / reference;
+    if (!(share < kLeastShare)) continue;
+    // r = root (1/4 - share(x)), first order about the present x.
+    const Vec3 du = -root * 0.5 / reference * v.cross(mean), dv = -root * 0.5 / reference * mean.cross(u);
+    const Vec3 d0 = -(du + dv);
+    rows.add(t[0], d0);
+    rows.add(t[1], du);
+    rows.add(t[2], dv);
+    rows.close(d0.dot(x[corner(0)]) + du.dot(x[corner(1)]) + dv.dot(x[corner(2)]) - root * (kLeastShare - share));
+  }
+  return rows;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,13 @@
+#pragma once
+/// tension: E = 1/(8 pi) int_{S^2} |grad x|^2, mm^2: a membrane. A sphere of radius R has E = R^2; E is least, for a
+/// given surface, when samples are spread conformally; it pulls the surface together, so its weight is kept small.
+
+#include "pellicle/energies/rows.h"
+#include "pellicle/surface/samples.h"
+
+namespace pellicle {
+
+/// One vector row an edge (cotangent weights on the unit sphere; negative ones, at very obtuse facets, are dropped).
+VectorRows tension_rows(const SampleLayout& layout);
+
+}  // namespace pellicle

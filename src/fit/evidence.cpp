@@ -1,0 +1,73 @@
+#include "pellicle/fit/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pellicle/raster/rasterize.h"
+
+namespace pellicle {
+
+namespace {
+
+struct InsideStatistics {
+  double median = 0.0, deviation = 0.0;
+};
+
+InsideStatistics inside_of(const Image<float>& image, const TriangleMesh& mesh) {
+  const Image<std::uint8_t> mask = rasterize_mask(mesh, image.grid);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
+    if (mask.voxels[i] != 0) values.push_back(image.voxels[i]);
+  }
+  return {median_of(values), robust_deviation(values)};
+}
+
+}  // namespace
+
+Evidence evidence_of(const Image<float>& image, const Surface& surface, bool ridge, GeometryCache& geometry) {
+  Evidence e;
+  const StageGeometry& coarse = geometry.get(surface.model, sampling_level(surface.model, 1.0, 1.0));
+  SurfaceSamples samples;
+  evaluate(surface.model, surface.parameters, coarse.layout, false, samples);
+  const std::vector<double> area = sample_areas(coarse.layout, samples.x);
+  const double total = sum(area);
+  const double h_in = image.grid.mean_spacing();
+  const double resolution = std::max(1.0, std::sqrt(total / (4.0 * std::numbers::pi)) / (20.0 * h_in));
+  const Reading plain;
+  const double h = WorkingImage(image, plain, resolution, 0.0, 0.0).h();
+  WorkingImage working(image, plain, resolution, 0.7 * h, 6.0 * h);
+  working.cover(samples.x);
+  const Profiles profiles =
+      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 4.0 * h, 4.0 * h, 0.5 * h);
+  const InsideStatistics inside = inside_of(working.image(), mesh_of(coarse.layout, samples));
+  e.noise = noise_of(working.image(), {{0, 0, 0}, working.image().grid.size});
+  std::vector<double> away, contrast;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    const double in = band_median(profiles, i, -4.0 * h, -1.5 * h), out = band_median(profiles, i, 1.5 * h, 4.0 * h);
+    if (!image.grid.contains(samples.x[i]) || std::isnan(in) || std::isnan(out)) {
+      e.outside_share += area[i] / total;
+      continue;
+    }
+    if (ridge) {
+      const double top = band_median(profiles, i, -0.5 * h, 0.5 * h);
+      away.push_back(top - std::max(in, out));
+      contrast.push_back(top - 0.5 * (in + out));
+    } else {
+      away.push_back(std::abs(out - inside.median) - std::abs(in - inside.median));
+      contrast.push_back(std::abs(in - out));
+    }
+  }
+  if (away.empty()) return e;
+  e.contrast = median_of(contrast);
+  std::size_t weak = 0;
+  for (const double c : contrast) weak += c < 0.25 * e.contrast ? 1 : 0;
+  e.weak_share = static_cast<double>(weak) / static_cast<double>(contrast.size());
+  const double spread = inside.deviation + 0.5 * e.noise;
+  const double lower = quantile_of(away, 0.25);
+  e.score = lower / std::max(spread, 1e-6 * std::abs(lower) + 1e-300) * (1.0 - e.outside_share);
+  e.score = std::clamp(e.score, -1e3, 1e3);
+  return e;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,115 @@
+#include "pellicle/fit/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/fit/evidence.h"
+#include "pellicle/fit/hypotheses.h"
+#include "pellicle/mesh/measure.h"
+
+namespace pellicle {
+
+std::string to_string(FitStatus status) {
+  switch (status) {
+    case FitStatus::ok:
+      return "ok";
+    case FitStatus::doubtful:
+      return "doubtful";
+    case FitStatus::ambiguous:
+      return "ambiguous";
+    case FitStatus::not_converged:
+      return "not_converged";
+    case FitStatus::no_contrast:
+      return "no_contrast";
+    case FitStatus::leaked:
+      return "leaked";
+    case FitStatus::collapsed:
+      return "collapsed";
+    case FitStatus::folded:
+      return "folded";
+    case FitStatus::inside_out:
+      return "inside_out";
+    case FitStatus::left_image:
+      return "left_image";
+  }
+  return "unknown";
+}
+
+int FitSummary::iterations() const {
+  int total = 0;
+  for (const auto& stage : stages) total += stage.solver_iterations;
+  return total;
+}
+
+namespace {
+
+struct Trial {
+  Hypothesis hypothesis;
+  FitState state;
+  std::vector<StageSummary> stages;
+  Evidence evidence;
+  double volume = 0.0;
+};
+
+void run_stages(const StageContext& context, std::size_t from, std::size_t to, Trial& trial) {
+  for (std::size_t s = from; s < to && trial.state.status == FitStatus::ok; ++s) {
+    trial.stages.push_back(run_stage(context, trial.hypothesis.stages[s], trial.state));
+  }
+}
+
+void judge(const StageContext& context, Trial& trial) {
+  trial.evidence = evidence_of(context.image, trial.state.surface, trial.state.reading.ridge, context.geometry);
+  trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
+}
+
+}  // namespace
+
+FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
+                      const Progress& progress) {
+  settings.validate();
+  GeometryCache geometry;
+  const StageContext context{image, settings, geometry};
+  std::vector<Trial> trials;
+  for (std::size_t s = 0; s < seeds.size(); ++s) {
+    const std::string prefix = seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : "";
+    for (Hypothesis& h : hypotheses_for(image, seeds[s], settings, prefix)) {
+      Trial trial;
+      trial.state = h.start;
+      trial.hypothesis = std::move(h);
+      trials.push_back(std::move(trial));
+    }
+  }
+  for (Trial& trial : trials) {
+    run_stages(context, 0, trial.hypothesis.compare_after, trial);
+    judge(context, trial);
+  }
+  FitResult result;
+  if (trials.empty()) return result;
+  const auto better = [](const Trial& a, const Trial& b) {
+    const bool fa = a.state.status == FitStatus::ok, fb = b.state.status == FitStatus::ok;
+    return fa != fb ? fa : a.evidence.score > b.evidence.score;
+  };
+  Trial* best = &trials.front();
+  for (Trial& trial : trials) {
+    if (better(trial, *best)) best = &trial;
+  }
+  if (progress) progress(0.5, "refining");
+  run_stages(context, best->hypothesis.compare_after, best->hypothesis.stages.size(), *best);
+  judge(context, *best);
+  for (const Trial& trial : trials) {
+    result.summary.hypotheses.push_back(
+        {trial.state.reading.name, trial.state.status, trial.evidence.score, 1e-3 * trial.volume, &trial == best});
+  }
+  result.surface = best->state.surface;
+  result.summary.status = best->state.status;
+  result.summary.reason = best->state.reason;
+  result.summary.stages = best->stages;
+  result.summary.evidence = best->evidence;
+  result.summary.level_inside = best->state.levels.inside;
+  result.summary.level_outside = best->state.levels.outside;
+  return result;
+}
+
+}  // namespace pellicle

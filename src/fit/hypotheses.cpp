@@ -1,0 +1,211 @@
+#include "pellicle/fit/hypotheses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pellicle/energies/edge.h"
+#include "pellicle/seed/head.h"
+#include "pellicle/seed/rays.h"
+
+namespace pellicle {
+
+namespace {
+
+NormalModel start_model(const FitSettings& settings) {
+  return NormalModel::start(settings.start_solid, settings.rule);
+}
+
+FitState state_from(const NormalModel& model, const Vec3& centre, const Mat3& shape) {
+  FitState state{.surface = {model, affine_sphere(model, centre, shape)},
+                 .reading = {},
+                 .levels = {},
+                 .status = FitStatus::ok,
+                 .reason = {}};
+  state.start_volume = 4.0 / 3.0 * std::numbers::pi * std::abs(shape.determinant());
+  return state;
+}
+
+std::vector<Stage> stages_of(const FitSettings& settings) {
+  std::vector<Stage> stages = settings.stages.empty() ? default_stages(settings) : settings.stages;
+  for (Stage& stage : stages) {
+    for (const auto& [name, weight] : settings.energies) stage.energies[name] = weight;
+    if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
+  }
+  return stages;
+}
+
+// Hypotheses are compared after the region stages of the first two levels of detail: far enough to tell a leak from an
+// object, cheap enough to do for each.
+std::size_t comparison_point(const std::vector<Stage>& stages) {
+  std::size_t at = 0;
+  while (at < stages.size() && at < 2 && !stages[at].energies.contains("edge")) ++at;
+  return std::max<std::size_t>(1, at);
+}
+
+bool allowed(const FitSettings& settings, const RayReading& reading) {
+  if (reading.score <= 0.0) return false;
+  if (settings.boundary == Boundary::ridge) return reading.ridge;
+  if (reading.ridge) return settings.boundary == Boundary::automatic && settings.polarity != Polarity::dark;
+  if (settings.polarity == Polarity::bright) return reading.sign > 0.0;
+  if (settings.polarity == Polarity::dark) return reading.sign < 0.0;
+  return true;
+}
+
+// The image around a seed at a scale that rays can afford: about an eighth of the seed's radius, at most 2 million
+// voxels.
+Image<float> ray_image(const Image<float>& image, const SeedSphere& seed, double& h) {
+  const double h_in = image.grid.mean_spacing();
+  const double length = std::max(8.0 * seed.radius, 60.0 * h_in);
+  const Vec3 reach = Vec3::Constant(length);
+  const IndexBox box = box_around(image.grid, seed.center - reach, seed.center + reach, 4.0 * h_in);
+  double voxels = 1.0;
+  for (const int s : box.size) voxels *= s;
+  double spacing = std::max(h_in, seed.radius / 8.0);
+  spacing = std::max(spacing, h_in * std::cbrt(voxels / 2e6));
+  const Image<float> coarse = crop_and_bin(image, box, bin_factors(image.grid, spacing));
+  h = coarse.grid.mean_spacing();
+  return gaussian_smooth(coarse, h);
+}
+
+std::string reading_name(const RayReading& reading) {
+  return reading.ridge ? "membrane" : reading.sign > 0.0 ? "bright" : "dark";
+}
+
+std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedSphere& seed,
+                                          const FitSettings& settings, const std::string& prefix) {
+  std::vector<Hypothesis> list;
+  double h = 1.0;
+  const Image<float> smoothed = ray_image(image, seed, h);
+  const NormalModel model = start_model(settings);
+  for (const RayReading& rays : read_rays(smoothed, seed, h)) {
+    if (!allowed(settings, rays)) continue;
+    Hypothesis hypothesis;
+    const bool as_seeded = settings.start_rule == StartRule::sphere;
+    const double r = seed.radius;
+    hypothesis.start =
+        as_seeded ? state_from(model, seed.center, r * Mat3::Identity()) : state_from(model, rays.center, rays.shape);
+    hypothesis.start.reading = {prefix + reading_name(rays), rays.sign, rays.ridge, rays.inside, rays.outside, {}, {}};
+    hypothesis.start.levels = {rays.inside, rays.outside, {}, {}};
+    const double radius = std::cbrt(std::abs(rays.shape.determinant()));
+    if (!as_seeded) hypothesis.start.reach_mm = std::max(0.6 * radius, 5.0 * h);
+    hypothesis.stages = stages_of(settings);
+    hypothesis.compare_after = comparison_point(hypothesis.stages);
+    list.push_back(std::move(hypothesis));
+  }
+  return list;
+}
+
+Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
+                           const std::string& prefix) {
+  const HeadReading head = read_head(image);
+  Hypothesis hypothesis;
+  hypothesis.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity());
+  hypothesis.start.reading.name = prefix + "head";
+  hypothesis.start.reading.tissue = head.levels;
+  hypothesis.start.reading.inside = hypothesis.start.levels.inside = head.levels.middle;
+  hypothesis.start.reading.outside = hypothesis.start.levels.outside = head.levels.low;
+  hypothesis.stages = stages_of(settings);
+  hypothesis.compare_after = hypothesis.stages.size();
+  hypothesis.certain = true;
+  return hypothesis;
+}
+
+// A surface that is already near tells its levels and its polarity itself.
+Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, const FitSettings& settings,
+                              const std::string& prefix) {
+  Hypothesis hypothesis;
+  FitState& state = hypothesis.start;
+  state.surface = seed;
+  GeometryCache geometry;
+  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1.0, 1.0));
+  SurfaceSamples samples;
+  evaluate(seed.model, seed.parameters, g.layout, false, samples);
+  state.start_volume = facet_volume(g.layout, samples.x);
+  const double h = image.grid.mean_spacing();
+  const Reading plain;
+  WorkingImage working(image, plain, 1.0, h, 6.0 * h);
+  working.cover(samples.x);
+  const Profiles profiles =
+      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 5.0 * h, 0.5 * h);
+  std::vector<double> in, out, top;
+  for (std::size_t i = 0; i < samples.x.size(); ++i) {
+    in.push_back(band_median(profiles, i, -5.0 * h, -1.5 * h));
+    out.push_back(band_median(profiles, i, 1.5 * h, 5.0 * h));
+    top.push_back(band_median(profiles, i, -0.5 * h, 0.5 * h));
+  }
+  state.reading.name = prefix + "seed surface";
+  state.reading.ridge = settings.boundary == Boundary::ridge;
+  state.reading.inside = median_of(state.reading.ridge ? top : in);
+  state.reading.outside = median_of(out);
+  state.reading.sign = state.reading.inside >= state.reading.outside ? 1.0 : -1.0;
+  if (settings.polarity != Polarity::automatic) state.reading.sign = settings.polarity == Polarity::bright ? 1.0 : -1.0;
+  state.levels = {state.reading.inside, state.reading.outside, {}, {}};
+  hypothesis.stages = stages_of(settings);
+  hypothesis.compare_after = hypothesis.stages.size();
+  hypothesis.certain = true;
+  return hypothesis;
+}
+
+}  // namespace
+
+std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
+                                       const std::string& prefix) {
+  if (const auto* surface = std::get_if<Surface>(&seed)) return {surface_hypothesis(image, *surface, settings, prefix)};
+  const auto& sphere = std::get<SeedSphere>(seed);
+  if (settings.start_rule == StartRule::head) return {head_hypothesis(image, sphere, settings, prefix)};
+  return sphere_hypotheses(image, sphere, settings, prefix);
+}
+
+std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const SeedSphere& seed,
+                                              const FitSettings& settings, const std::string& prefix) {
+  const double h = image.grid.mean_spacing();
+  const double around = std::max(4.0 * seed.radius, 15.0 * h);
+  const Vec3 reach = Vec3::Constant(around);
+  const IndexBox box = box_around(image.grid, seed.center - reach, seed.center + reach, 0.0);
+  const Image<float> smoothed = gaussian_smooth(crop_and_bin(image, box, {1, 1, 1}), 0.7 * h);
+  const double level = core_statistics(smoothed, seed, 0.6).median;
+  const double noise = noise_of(image, box);
+  std::vector<Hypothesis> list;
+  if (!(noise > 0.0)) return list;
+  for (int j = 0; j <= 8; ++j) {
+    const double range = 1.5 * noise * std::pow(2.0, 0.5 * j);
+    Hypothesis hypothesis;
+    hypothesis.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity());
+    hypothesis.start.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
+                                1.0,
+                                false,
+                                0.0,
+                                -range,
+                                Similarity{level, range},
+                                {}};
+    hypothesis.start.levels = {0.0, -range, {}, {}};
+    const double smooth = 1e-3;
+    hypothesis.stages = {{.name = "coarse",
+                          .detail = 1,
+                          .energies = {{"region", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .reach = 5.0},
+                         {.name = "region",
+                          .detail = 2,
+                          .energies = {{"region", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .reach = 5.0,
+                          .max_steps = 8},
+                         {.name = "edge",
+                          .detail = 2,
+                          .energies = {{"edge", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .smoothing = 0.0,
+                          .max_steps = 6,
+                          .tolerance = 0.01}};
+    for (Stage& stage : hypothesis.stages) {
+      if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
+      stage.resolution = 1.0;
+    }
+    hypothesis.compare_after = hypothesis.stages.size();
+    list.push_back(std::move(hypothesis));
+  }
+  return list;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,79 @@
+#pragma once
+/// One step's problem: what the energies ask for, chained to the parameters, solved by Ceres. The only caller of
+/// ceres::Solve.
+///
+/// Residual energies arrive as rows that are linear in the sample positions (energies/rows.h). Rows are grouped by the
+/// patches that their samples belong to; each group is one Ceres residual block over the union of those patches'
+/// parameter blocks. The samples and their Jacobians are evaluated once per solver iteration, in parallel, and
+/// shared by all blocks; Ceres itself runs on one thread, so results do not depend on the number of threads.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pellicle/energies/rows.h"
+#include "pellicle/fit/settings.h"
+#include "pellicle/surface/surface.h"
+
+namespace pellicle {
+
+/// Rows of samples that belong to the same set of patches.
+struct RowGroup {
+  std::vector<int> blocks;              ///< union of the patches' parameter blocks, ascending
+  std::vector<int> patches;             ///< ascending
+  std::vector<std::vector<int>> slots;  ///< per patch, per block of the patch: its place in `blocks`
+  std::vector<int> rows;
+};
+/// \param start, sample compressed rows as in ScalarRows and VectorRows.
+std::vector<RowGroup> group_rows(const SampleLayout& layout, const std::vector<int>& start,
+                                 const std::vector<int>& sample);
+
+/// Constant operators (bending, tension) with their groups: built once a stage.
+struct GroupedOperator {
+  std::string name;
+  double root_weight = 1.0;  ///< square root of the energy's weight
+  VectorRows rows;
+  std::vector<RowGroup> groups;
+  double energy(const std::vector<Vec3>& x) const;  ///< weighted, mm^2
+};
+GroupedOperator grouped_operator(std::string name, double weight, VectorRows rows, const SampleLayout& layout);
+
+/// Rows of this step (offsets, spacing), already weighted.
+struct NamedRows {
+  std::string name;
+  ScalarRows rows;
+  double energy(const std::vector<Vec3>& x) const;
+};
+
+/// A scalar energy of samples and area vectors; adds its derivatives, returns its value (weighted, mm^2).
+struct ScalarEnergy {
+  std::string name;
+  std::function<double(const std::vector<Vec3>& x, const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx,
+                       std::vector<Vec3>& dE_da)>
+      evaluate;
+};
+
+struct StepProblem {
+  const SurfaceModel* model = nullptr;
+  const SampleLayout* layout = nullptr;
+  const std::vector<GroupedOperator>* operators = nullptr;
+  std::vector<NamedRows> rows;
+  std::vector<ScalarEnergy> scalars;
+};
+
+struct StepOutcome {
+  int iterations = 0;
+  bool usable = false;  ///< false: the solver met numbers that are not finite; parameters are unchanged
+  std::string message;
+};
+
+/// Moves `parameters`. Residual energies alone: Levenberg-Marquardt. With scalar energies, or when `solver` says so:
+/// ceres::GradientProblem (L-BFGS) on their sum plus half the squared residuals.
+StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, Parameters& parameters);
+
+/// The energies by name at given samples, weighted.
+std::map<std::string, double> energies_at(const StepProblem& problem, const std::vector<Vec3>& x);
+
+}  // namespace pellicle

@@ -1,0 +1,123 @@
+#include "pellicle/fit/settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/base/errors.h"
+
+namespace pellicle {
+
+namespace {
+
+void require(bool rule, const std::string& what) {
+  if (!rule) throw UsageError(what);
+}
+
+void validate_energies(const std::map<std::string, double>& energies, const std::string& where) {
+  for (const auto& [name, weight] : energies) {
+    const auto& known = energy_descriptions();
+    const bool exists = std::any_of(known.begin(), known.end(), [&, n = name](const auto& d) { return d.name == n; });
+    require(exists, fmt::format("unknown energy '{}' ({}): see --energy list", name, where));
+    require(std::isfinite(weight),
+            fmt::format("energy weight is not a finite number ({}): {}={}", where, name, weight));
+    require(weight >= 0.0 || name == "inflation",
+            fmt::format("energy weight must not be negative ({}): {}={}", where, name, weight));
+  }
+}
+
+}  // namespace
+
+void Stage::validate() const {
+  const std::string where = fmt::format("stage '{}'", name);
+  require(detail >= 0 && detail <= 4, fmt::format("detail must be 0 to 4 ({}): {}", where, detail));
+  require(resolution >= 0.0 && resolution <= 100.0,
+          fmt::format("resolution must be 0 (automatic) to 100 ({}): {}", where, resolution));
+  require(smoothing >= 0.0 && smoothing <= 20.0, fmt::format("smoothing must be 0 to 20 ({}): {}", where, smoothing));
+  require(reach > 0.0 && reach <= 200.0, fmt::format("reach must be above 0 and at most 200 ({}): {}", where, reach));
+  require(max_steps >= 0 && max_steps <= 100000,
+          fmt::format("max_steps must be 0 to 100000 ({}): {}", where, max_steps));
+  require(tolerance >= 0.0 && std::isfinite(tolerance),
+          fmt::format("tolerance must not be negative ({}): {}", where, tolerance));
+  validate_energies(energies, where);
+}
+
+void FitSettings::validate() const {
+  for (const Stage& stage : stages) stage.validate();
+  validate_energies(energies, "--energy");
+  require(!detail || (*detail >= 0 && *detail <= 4), fmt::format("--detail must be 0 to 4: {}", detail.value_or(0)));
+  require(!smoothing_mm || (*smoothing_mm >= 0.0 && std::isfinite(*smoothing_mm)),
+          fmt::format("--smoothing must not be negative: {}", smoothing_mm.value_or(0)));
+  require(!target_volume_ml || (*target_volume_ml > 0.0 && std::isfinite(*target_volume_ml)),
+          fmt::format("--target-volume must be above 0: {}", target_volume_ml.value_or(0)));
+  require(volume_weight >= 0.0 && std::isfinite(volume_weight),
+          fmt::format("--volume-weight must not be negative: {}", volume_weight));
+  require(!max_iterations || *max_iterations >= 0,
+          fmt::format("--max-iterations must not be negative: {}", max_iterations.value_or(0)));
+  require(!tolerance || (*tolerance >= 0.0 && std::isfinite(*tolerance)),
+          fmt::format("--tolerance must not be negative: {}", tolerance.value_or(0)));
+}
+
+const std::vector<EnergyDescription>& energy_descriptions() {
+  static const std::vector<EnergyDescription> list{
+      {"region", "residual", "t = argmin int q ds + 0.02 t^2/R",
+       "two levels: line search along each normal (L-BFGS stages: h/A int q dV)"},
+      {"edge", "residual", "t = int f ds - w + s^2 (k1+k2)/2", "sub-voxel place of the edge, robust"},
+      {"crossing", "residual", "first s with I < low + share (top - low)",
+       "first crossing from inside, for the brain in T1"},
+      {"bending", "residual", "1/(4 pi) int |trace-free Hessian|^2", "smoothness; zero for ellipsoids"},
+      {"tension", "residual", "1/(8 pi) int |grad x|^2", "membrane; pulls together"},
+      {"spacing", "residual", "sum A_i/A |tangential move|^2 + fold barrier",
+       "keeps control points spread and facets unfolded"},
+      {"flux", "scalar", "p h^2 s/(c A) int grad(G_s I) . dA", "flux of the smoothed gradient"},
+      {"volume", "scalar", "r0^2/2 ((V-V0)/(3 V0))^2", "prior on the volume; needs --target-volume"},
+      {"inflation", "scalar", "-h (V-V0)/A", "constant pressure; negative deflates"},
+  };
+  return list;
+}
+
+std::vector<Stage> default_stages(const FitSettings& settings) {
+  std::vector<Stage> stages;
+  if (settings.start_rule == StartRule::head) {
+    const double bending[] = {2e-3, 2e-4, 1e-5};
+    const int steps[] = {60, 40, 30};
+    for (int d = 1; d <= 3; ++d) {
+      stages.push_back({.name = fmt::format("crossing {}", d),
+                        .detail = d,
+                        .energies = {{"crossing", 1.0}, {"bending", bending[d - 1]}, {"spacing", 0.3}},
+                        .resolution = 1.0,
+                        .smoothing = 0.5,
+                        .reach = 5.0,
+                        .max_steps = steps[d - 1],
+                        .tolerance = 0.05});
+    }
+    return stages;
+  }
+  const bool ridge = settings.boundary == Boundary::ridge;
+  (void)ridge;
+  const auto region = [](std::string name, int detail, double bending, int steps) {
+    return Stage{.name = std::move(name),
+                 .detail = detail,
+                 .energies = {{"region", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .resolution = 0.0,
+                 .smoothing = 1.0,
+                 .reach = 5.0,
+                 .max_steps = steps,
+                 .tolerance = 0.05};
+  };
+  const auto edge = [](std::string name, int detail, double bending) {
+    return Stage{.name = std::move(name),
+                 .detail = detail,
+                 .energies = {{"edge", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .resolution = 1.0,
+                 .smoothing = 0.0,
+                 .reach = 4.0,
+                 .max_steps = 15,
+                 .tolerance = 0.01};
+  };
+  return {region("coarse", 1, 2e-3, 12), region("region", 2, 2e-4, 8), edge("edge", 2, 2e-5),
+          region("region fine", 3, 2e-5, 6), edge("edge fine", 3, 2e-5)};
+}
+
+}  // namespace pellicle

@@ -1,0 +1,275 @@
+#include "pellicle/fit/stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "pellicle/base/interrupt.h"
+#include "pellicle/energies/bending.h"
+#include "pellicle/energies/edge.h"
+#include "pellicle/energies/spacing.h"
+#include "pellicle/energies/tension.h"
+#include "pellicle/fit/scalars.h"
+
+namespace pellicle {
+
+StageGeometry::StageGeometry(const SurfaceModel& model, int level)
+    : layout(layout_of(model, level)), graph(layout), bending(bending_rows(layout)) {}
+
+const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
+  const std::pair key{control_point_count(model), level};
+  auto at = cache_.find(key);
+  if (at == cache_.end()) at = cache_.emplace(key, StageGeometry(model, level)).first;
+  return at->second;
+}
+
+int sampling_level(const SurfaceModel& model, double area, double h) {
+  const double wanted = std::clamp(area / (3.5 * h * h), 500.0, 4500.0);
+  const double triangles = 2.0 * control_point_count(model) - 4.0;  // genus 0
+  const double level = 0.5 * std::log2(2.0 * wanted / triangles);
+  return std::clamp(static_cast<int>(std::lround(level)), 1, 6);
+}
+
+namespace {
+
+double weight_of(const Stage& stage, const char* name) {
+  const auto at = stage.energies.find(name);
+  return at == stage.energies.end() ? 0.0 : at->second;
+}
+
+/// The surface at the beginning of a step.
+struct StepGeometry {
+  SurfaceSamples samples;
+  std::vector<double> area;
+  double total_area = 0.0, volume = 0.0, radius = 0.0;
+};
+
+StepGeometry geometry_at(const FitState& state, const StageGeometry& geometry) {
+  StepGeometry g;
+  evaluate(state.surface.model, state.surface.parameters, geometry.layout, false, g.samples);
+  g.area = sample_areas(geometry.layout, g.samples.x);
+  g.total_area = sum(g.area);
+  g.volume = facet_volume(geometry.layout, g.samples.x);
+  g.radius = std::cbrt(3.0 * std::abs(g.volume) / (4.0 * std::numbers::pi));
+  return g;
+}
+
+class StageRun {
+ public:
+  StageRun(const StageContext& context, const Stage& stage, FitState& state)
+      : context_(context), stage_(stage), state_(state), h_in_(context.image.grid.mean_spacing()) {}
+
+  StageSummary run();
+
+ private:
+  void prepare();
+  std::vector<NamedRows> image_rows(const StepGeometry& g, int step);
+  NamedRows region_rows(const StepGeometry& g, int step);
+  NamedRows edge_rows(const StepGeometry& g, int step);
+  NamedRows crossing_rows(const StepGeometry& g);
+  bool healthy(const StepGeometry& g);
+  bool failed(FitStatus status, const std::string& reason) {
+    state_.status = status;
+    state_.reason = reason;
+    return false;
+  }
+  void narrow_reach(const NormalTargets& targets);
+
+  const StageContext& context_;
+  const Stage& stage_;
+  FitState& state_;
+  double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
+  const StageGeometry* geometry_ = nullptr;
+  std::vector<GroupedOperator> operators_;
+  std::optional<WorkingImage> image_;
+  std::vector<double> curvature_;
+};
+
+void StageRun::prepare() {
+  while (state_.detail < stage_.detail) {
+    state_.surface = refine(state_.surface);
+    ++state_.detail;
+  }
+  const SampleLayout coarse = layout_of(state_.surface.model, 2);
+  SurfaceSamples samples;
+  evaluate(state_.surface.model, state_.surface.parameters, coarse, false, samples);
+  const double area = sum(sample_areas(coarse, samples.x));
+  const double radius = std::sqrt(area / (4.0 * std::numbers::pi));
+  // A stage that does not need every voxel works on voxels of a fifteenth of the object's radius.
+  const double resolution = stage_.resolution > 0.0 ? stage_.resolution : std::max(1.0, radius / (15.0 * h_in_));
+  const double smoothing = [&](double h) {
+    return context_.settings.smoothing_mm.value_or(stage_.smoothing * h);
+  }(WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h());
+  h_ = WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h();
+  reach_ =
+      state_.reach_mm > 0.0 ? std::max(state_.reach_mm, stage_.reach * h_) : std::max(stage_.reach * h_, 0.15 * radius);
+  if (weight_of(stage_, "crossing") > 0.0) reach_ = std::max(reach_, 12.0);
+  state_.reach_mm = 0.0;
+  image_.emplace(context_.image, state_.reading, resolution, smoothing, reach_ + 8.0 * h_);
+  geometry_ = &context_.geometry.get(state_.surface.model, sampling_level(state_.surface.model, area, h_));
+  if (weight_of(stage_, "bending") > 0.0) {
+    operators_.push_back(
+        grouped_operator("bending", weight_of(stage_, "bending"), geometry_->bending, geometry_->layout));
+  }
+  if (weight_of(stage_, "tension") > 0.0) {
+    operators_.push_back(
+        grouped_operator("tension", weight_of(stage_, "tension"), tension_rows(geometry_->layout), geometry_->layout));
+  }
+  first_contrast_ = state_.levels.contrast();
+}
+
+// R <- max(4 h, min(0.85 R, 4 p90|t| + 3 h)): wide at first, narrow once the surface has arrived.
+void StageRun::narrow_reach(const NormalTargets& targets) {
+  std::vector<double> size;
+  for (const double t : targets.offset) size.push_back(std::abs(t));
+  reach_ = std::max(4.0 * h_, std::min(0.85 * reach_, 4.0 * quantile_of(size, 0.9) + 3.0 * h_));
+}
+
+NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
+  const double extent = reach_ + 6.5 * h_;
+  const double spacing = reach_ > 10.0 * h_ ? reach_ / 20.0 : 0.5 * h_;
+  const Profiles profiles =
+      sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, extent, extent, spacing);
+  const NormalTargets targets = region_targets(profiles, state_.levels, reach_);
+  if (!state_.reading.similarity) {
+    update_levels(profiles, targets, geometry_->graph, h_, step > 0, first_contrast_, state_.levels);
+  }
+  narrow_reach(targets);
+  return {"region", offset_rows(g.samples.x, g.samples.normal, g.area, targets, weight_of(stage_, "region"))};
+}
+
+NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
+  edge_window_ = std::max(1.75, step == 0 ? 2.5 : 0.9 * edge_window_);
+  const Profiles profiles =
+      sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, 4.25 * h_, 4.25 * h_, 0.25 * h_);
+  EdgeMeasurement m = measure_edge(profiles, geometry_->graph,
+                                   {h_, edge_window_, state_.reading.ridge, state_.reading.sign > 0.0 ? 1 : -1});
+  if (step < 2) {
+    curvature_ = sum_of_curvatures(geometry_->layout, g.samples.x, g.samples.normal);
+    average_over_mesh(geometry_->graph, 8, curvature_);
+    state_.blur_mm = m.blur > 0.0 ? m.blur : 1.1 * h_;
+  }
+  downweight_outliers(h_, m.targets);
+  add_curvature_correction(curvature_, state_.blur_mm, h_, m.targets);
+  double squares = 0.0, weights = 0.0;
+  for (std::size_t i = 0; i < g.area.size(); ++i) {
+    squares += g.area[i] * m.targets.weight[i] * m.targets.offset[i] * m.targets.offset[i];
+    weights += g.area[i] * m.targets.weight[i];
+  }
+  rms_ = weights > 0.0 ? std::sqrt(squares / weights) : -1.0;
+  if (m.median_contrast > 0.0 && !state_.reading.similarity) {
+    state_.levels.inside = median_of(m.inside);
+    state_.levels.outside = median_of(m.outside);
+  }
+  return {"edge", offset_rows(g.samples.x, g.samples.normal, g.area, m.targets, weight_of(stage_, "edge"))};
+}
+
+NamedRows StageRun::crossing_rows(const StepGeometry& g) {
+  const TrilinearField field(image_->image());
+  TissueLevels levels = *state_.reading.tissue;
+  if (state_.detail > 1) {
+    // Median of the tissue inside the present surface: twelve concentric copies of equal share of the volume.
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t i = 0; i < g.area.size(); ++i) centre += g.area[i] / g.total_area * g.samples.x[i];
+    std::vector<double> values;
+    for (int shell = 0; shell < 12; ++shell) {
+      const double scale = std::cbrt((shell + 0.5) / 12.0);
+      for (const Vec3& x : g.samples.x) values.push_back(field.at(centre + scale * (x - centre)));
+    }
+    levels.middle = median_of(values);
+  }
+  CrossingSettings settings;
+  const Profiles profiles =
+      sample_profiles(field, g.samples.x, g.samples.normal, settings.depth, settings.reach, std::min(1.0, h_));
+  const NormalTargets targets = crossing_targets(profiles, geometry_->graph, levels, settings);
+  return {"crossing", offset_rows(g.samples.x, g.samples.normal, g.area, targets, weight_of(stage_, "crossing"))};
+}
+
+std::vector<NamedRows> StageRun::image_rows(const StepGeometry& g, int step) {
+  std::vector<NamedRows> rows;
+  const bool scalar_region = stage_.solver == Solver::gradient;
+  if (weight_of(stage_, "region") > 0.0 && !scalar_region) rows.push_back(region_rows(g, step));
+  if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
+  if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
+  if (weight_of(stage_, "spacing") > 0.0) {
+    rows.push_back({"spacing", spacing_rows(geometry_->layout, g.samples.x, g.samples.normal, g.area,
+                                            weight_of(stage_, "spacing"))});
+  }
+  return rows;
+}
+
+bool StageRun::healthy(const StepGeometry& g) {
+  if (!std::isfinite(g.volume) || !std::isfinite(g.total_area))
+    return failed(FitStatus::folded, "the solver met numbers that are not finite");
+  if (g.volume < 0.0) return failed(FitStatus::inside_out, "the surface turned inside out");
+  if (g.volume < 4.0 * std::pow(h_in_, 3))
+    return failed(FitStatus::collapsed, "the surface shrank to less than four voxels");
+  double outside = 0.0;
+  for (std::size_t i = 0; i < g.area.size(); ++i)
+    outside += context_.image.grid.contains(g.samples.x[i]) ? 0.0 : g.area[i];
+  if (outside > 0.6 * g.total_area)
+    return failed(FitStatus::left_image,
+                  fmt::format("{:.0f} % of the surface lies outside the volume", 100.0 * outside / g.total_area));
+  return true;
+}
+
+StageSummary StageRun::run() {
+  const auto begin = std::chrono::steady_clock::now();
+  prepare();
+  StageSummary summary;
+  summary.name = stage_.name;
+  summary.detail = state_.detail;
+  summary.control_points = control_point_count(state_.surface.model);
+  summary.degrees_of_freedom = degrees_of_freedom(state_.surface.model);
+  summary.samples = geometry_->layout.sample_count();
+  summary.reason = "step limit";
+  const int max_steps = context_.settings.max_iterations.value_or(stage_.max_steps);
+  const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
+  StepGeometry g = geometry_at(state_, *geometry_);
+  StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}};
+  for (int step = 0; step < max_steps; ++step) {
+    check_interrupt();
+    image_->cover(g.samples.x);
+    problem.rows = image_rows(g, step);
+    problem.scalars =
+        scalar_energies({stage_, context_.settings, state_, *geometry_, image_->image(), h_, g.total_area, g.volume});
+    if (step == 0) summary.energy_before = energies_at(problem, g.samples.x);
+    const bool gradient = stage_.solver == Solver::gradient || !problem.scalars.empty();
+    const StepOutcome outcome = solve_step(problem, stage_.solver, gradient ? 60 : 2, state_.surface.parameters);
+    summary.solver_iterations += outcome.iterations;
+    ++summary.steps;
+    const StepGeometry next = geometry_at(state_, *geometry_);
+    double move = 0.0;
+    for (std::size_t i = 0; i < g.area.size(); ++i) {
+      move += g.area[i] / g.total_area * std::abs(g.samples.normal[i].dot(next.samples.x[i] - g.samples.x[i]));
+    }
+    summary.last_move_mm = move;
+    g = next;
+    if (!outcome.usable || !healthy(g)) {
+      if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no way on: " + outcome.message);
+      summary.reason = to_string(state_.status);
+      break;
+    }
+    const bool arrived = weight_of(stage_, "region") == 0.0 || stage_.solver == Solver::gradient || reach_ <= 6.0 * h_;
+    const bool settled = weight_of(stage_, "edge") == 0.0 || step >= 3;
+    if (move < tolerance && arrived && settled) {
+      summary.reason = "converged";
+      break;
+    }
+  }
+  summary.energy_after = energies_at(problem, g.samples.x);
+  summary.rms_residual_mm = rms_;
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return summary;
+}
+
+}  // namespace
+
+StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state) {
+  return StageRun(context, stage, state).run();
+}
+
+}  // namespace pellicle

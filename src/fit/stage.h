@@ -1,0 +1,58 @@
+#pragma once
+/// Running one stage of a fit.
+
+#include <map>
+#include <utility>
+
+#include "pellicle/energies/geometry.h"
+#include "pellicle/fit/fit.h"
+#include "pellicle/fit/objective.h"
+#include "pellicle/fit/reading.h"
+
+namespace pellicle {
+
+/// What depends on the control mesh and the density alone: built once, used by every stage and hypothesis.
+struct StageGeometry {
+  SampleLayout layout;
+  SampleGraph graph;
+  VectorRows bending;
+  StageGeometry(const SurfaceModel& model, int level);
+};
+
+/// Geometries by number of control points and level.
+class GeometryCache {
+ public:
+  const StageGeometry& get(const SurfaceModel& model, int level);
+
+ private:
+  std::map<std::pair<int, int>, StageGeometry> cache_;
+};
+
+/// What one stage hands to the next.
+struct FitState {
+  Surface surface;
+  int detail = 0;  ///< refinements so far
+  Reading reading;
+  Levels levels;          ///< as re-estimated so far
+  double reach_mm = 0.0;  ///< reach of the next search; 0: the stage's own
+  double blur_mm = 0.0;   ///< of the image along the surface, once measured
+  FitStatus status = FitStatus::ok;
+  std::string reason;
+  double start_volume = 0.0;  ///< mm^3, of the seed
+  double last_targets_rms = 0.0;
+};
+
+/// Values that hold for all stages of a fit.
+struct StageContext {
+  const Image<float>& image;
+  const FitSettings& settings;
+  GeometryCache& geometry;
+};
+
+/// Runs `stage` on `state`; sets state.status when the surface ran away, collapsed, folded or left the image.
+StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state);
+
+/// Samples wanted on a surface: about one per 3.5 h^2, at least 500, at most 4500; the level that comes nearest.
+int sampling_level(const SurfaceModel& model, double area, double h);
+
+}  // namespace pellicle
