@@ -57,9 +57,9 @@ class CellFraction {
   double operator()(int i, int j, int k) const {
     const Vec3 x = lattice_.world_of(i, j, k);
     const double distance = body_.distance_near(x);
-    const double reach = 1.3 * half_.norm() + half_membrane_;
-    if (distance > reach) return 0.0;
-    if (distance < -reach) return half_membrane_ > 0.0 ? 0.0 : 1.0;
+    const double reach = 1.3 * half_.norm();
+    if (half_membrane_ > 0.0) return std::abs(distance) > reach + 1.3 * half_membrane_ ? 0.0 : membrane_fraction(x);
+    if (std::abs(distance) > reach) return distance > 0.0 ? 0.0 : 1.0;
     const Vec3 part_half = half_ / parts_;
     double sum = 0.0;
     for (int c = 0; c < parts_; ++c) {
@@ -75,18 +75,18 @@ class CellFraction {
 
  private:
   double part_fraction(const Vec3& x, const Vec3& part_half) const {
-    if (half_membrane_ > 0.0) return membrane_fraction(x, part_half);
     const LevelSample s = body_.level_at(x);
     const double slope = std::max(s.gradient.norm(), 1e-12);
     return box_fraction(s.value / slope, lattice_.grid.direction.transpose() * (s.gradient / slope), part_half);
   }
-  double membrane_fraction(const Vec3& x, const Vec3& part_half) const {
+  /// Between the two surfaces parallel to the body's own; their curvature errors nearly cancel, so no parts.
+  double membrane_fraction(const Vec3& x) const {
     const Vec3 foot = body_.closest_point_near(x);
     const Vec3 outward = body_.level_at(foot).gradient.normalized();
     const double distance = outward.dot(x - foot);
     const Vec3 normal = lattice_.grid.direction.transpose() * outward;
-    return box_fraction(distance - half_membrane_, normal, part_half) -
-           box_fraction(distance + half_membrane_, normal, part_half);
+    return box_fraction(distance - half_membrane_, normal, half_) -
+           box_fraction(distance + half_membrane_, normal, half_);
   }
 
   const FineLattice& lattice_;

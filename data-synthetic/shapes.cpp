@@ -105,9 +105,7 @@ Vec3 bounds_of(const SuperquadricShape& s) {
   return s.half_axes;
 }
 Vec3 bounds_of(const BlobShape& s) {
-  double height = 1.0;
-  for (const BlobShape::Term& term : s.terms) height += std::abs(term.coefficient);
-  return Vec3::Constant(s.radius * height);
+  return Vec3::Constant(s.radius * s.peak);
 }
 Vec3 bounds_of(const BeanShape& s) {
   return s.half_axes.cwiseProduct(Vec3(1.0, 1.8, 1.0));
@@ -191,7 +189,7 @@ double volume_of_shape(const TubeShape& s) {  // Pappus, and two half balls
 BlobShape draw_blob(double radius, double amplitude, std::uint64_t seed) {
   RandomEngine random(seed ^ 0xb10bULL);
   const auto direction = [&random] { return Vec3(random.normal(), random.normal(), random.normal()).normalized(); };
-  BlobShape blob{radius, {}};
+  BlobShape blob{radius, 1.0 + 1.03 * amplitude, {}};
   for (int degree = 2; degree <= 5; ++degree) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 axis = direction();
@@ -203,7 +201,7 @@ BlobShape draw_blob(double radius, double amplitude, std::uint64_t seed) {
   for (int k = 0; k < kDirections; ++k) {
     const double z = 1.0 - (2.0 * k + 1.0) / kDirections, rho = std::sqrt(1.0 - z * z);
     const double phi = kPi * (3.0 - std::sqrt(5.0)) * k;
-    const LevelSample s = level_of(BlobShape{1.0, blob.terms}, Vec3(rho * std::cos(phi), rho * std::sin(phi), z));
+    const LevelSample s = level_of(BlobShape{1.0, 1.0, blob.terms}, Vec3(rho * std::cos(phi), rho * std::sin(phi), z));
     largest = std::max(largest, std::abs(s.value));
   }
   for (BlobShape::Term& term : blob.terms) term.coefficient *= amplitude / largest;
@@ -269,7 +267,7 @@ Vec3 Body::closest_point_near(const Vec3& x_in_world) const {
     const Vec3 normal = s.gradient / slope, offset = x_in_world - y;
     const Vec3 step = offset - offset.dot(normal) * normal - (s.value / slope) * normal;
     y += step;
-    if (step.squaredNorm() < 1e-20) break;
+    if (step.squaredNorm() <= 1e-14 * offset.squaredNorm()) break;
   }
   return y;
 }

@@ -35,6 +35,7 @@ struct BlobShape {
     double coefficient;
   };
   double radius;
+  double peak;  ///< bound of 1 + sum
   std::vector<Term> terms;
 };
 /// An ellipsoid bent by y -> y + b (x^2/a_x^2 - 1/5), b = a_y: a kidney with a dent on its +y side. The map keeps
