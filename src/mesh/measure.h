@@ -8,7 +8,13 @@
 
 namespace pellicle {
 
-double area_of(const TriangleMesh& mesh);    ///< mm^2
+/// \throws BadData naming the first facet with a vertex that does not exist, or the first coordinate that is not
+/// finite.
+void check_indices(const TriangleMesh& mesh);
+/// \throws BadData naming the first edge that is open or not run through equally often both ways, `what` first.
+void require_closed(const TriangleMesh& mesh, const std::string& what);
+
+double area_of(const TriangleMesh& mesh);  ///< mm^2
 /// Divergence theorem on flat facets, mm^3; positive for outward orientation. Meaningful for closed meshes only.
 double volume_of(const TriangleMesh& mesh);
 /// 4th order in the facet size where vertex normals are exact (models.md 1.7): flat volume plus the mean height of the
@@ -18,9 +24,9 @@ Vec3 centroid_of(const TriangleMesh& mesh);  ///< of the enclosed solid
 
 /// Combinatorial health.
 struct MeshTopology {
-  bool closed = false;      ///< every edge has exactly two facets
-  bool manifold = false;    ///< no edge with more than two facets, one fan a vertex
-  bool oriented = false;    ///< every inner edge is run through once each way
+  bool closed = false;    ///< every edge has exactly two facets
+  bool manifold = false;  ///< no edge with more than two facets, one fan a vertex
+  bool oriented = false;  ///< every inner edge is run through once each way
   int components = 0;
   int euler = 0;            ///< V - E + F (vertices in use)
   int genus = 0;            ///< sum over components; valid when closed, manifold and oriented
@@ -28,7 +34,9 @@ struct MeshTopology {
 };
 MeshTopology topology_of(const TriangleMesh& mesh);
 
-/// Pairs of facets without a common vertex that cut each other (Embree collision, exact triangle test after).
+/// Pairs of facets that meet where they should not: without a common vertex, in any point; with one common vertex, in
+/// another point too. Pairs that share an edge are neighbours and never count. Vertices are the same when their
+/// coordinates are (candidates from Embree's collision, then an exact test).
 std::size_t self_intersection_count(const TriangleMesh& mesh);
 
 }  // namespace pellicle
