@@ -59,6 +59,18 @@ void run_stages(const StageContext& context, std::size_t from, std::size_t to, T
   }
 }
 
+// No reading found an edge: the seed itself is handed back, with its status.
+FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
+  const auto* sphere = std::get_if<SeedSphere>(&seed);
+  const NormalModel model = NormalModel::start(settings.start_solid, settings.rule);
+  FitResult result{sphere != nullptr
+                       ? Surface{model, affine_sphere(model, sphere->center, sphere->radius * Mat3::Identity())}
+                       : std::get<Surface>(seed),
+                   {}};
+  result.summary.reason = "no edge in a quarter of the directions around the seed";
+  return result;
+}
+
 void judge(const StageContext& context, Trial& trial) {
   trial.evidence = evidence_of(context.image, trial.state.surface, trial.state.reading.ridge, context.geometry);
   trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
@@ -75,18 +87,15 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   for (std::size_t s = 0; s < seeds.size(); ++s) {
     const std::string prefix = seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : "";
     for (Hypothesis& h : hypotheses_for(image, seeds[s], settings, prefix)) {
-      Trial trial;
-      trial.state = h.start;
-      trial.hypothesis = std::move(h);
-      trials.push_back(std::move(trial));
+      const FitState start = h.start;
+      trials.push_back({std::move(h), start, {}, {}, 0.0});
     }
   }
   for (Trial& trial : trials) {
     run_stages(context, 0, trial.hypothesis.compare_after, trial);
     judge(context, trial);
   }
-  FitResult result;
-  if (trials.empty()) return result;
+  if (trials.empty()) return nothing_seen(seeds.front(), settings);
   const auto better = [](const Trial& a, const Trial& b) {
     const bool fa = a.state.status == FitStatus::ok, fb = b.state.status == FitStatus::ok;
     return fa != fb ? fa : a.evidence.score > b.evidence.score;
@@ -98,11 +107,11 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   if (progress) progress(0.5, "refining");
   run_stages(context, best->hypothesis.compare_after, best->hypothesis.stages.size(), *best);
   judge(context, *best);
+  FitResult result{best->state.surface, {}};
   for (const Trial& trial : trials) {
     result.summary.hypotheses.push_back(
         {trial.state.reading.name, trial.state.status, trial.evidence.score, 1e-3 * trial.volume, &trial == best});
   }
-  result.surface = best->state.surface;
   result.summary.status = best->state.status;
   result.summary.reason = best->state.reason;
   result.summary.stages = best->stages;

@@ -82,16 +82,15 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
   const NormalModel model = start_model(settings);
   for (const RayReading& rays : read_rays(smoothed, seed, h)) {
     if (!allowed(settings, rays)) continue;
-    Hypothesis hypothesis;
     const bool as_seeded = settings.start_rule == StartRule::sphere;
-    const double r = seed.radius;
-    hypothesis.start =
-        as_seeded ? state_from(model, seed.center, r * Mat3::Identity()) : state_from(model, rays.center, rays.shape);
+    const Mat3 ball = seed.radius * Mat3::Identity();
+    Hypothesis hypothesis{
+        .start = as_seeded ? state_from(model, seed.center, ball) : state_from(model, rays.center, rays.shape),
+        .stages = stages_of(settings)};
     hypothesis.start.reading = {prefix + reading_name(rays), rays.sign, rays.ridge, rays.inside, rays.outside, {}, {}};
     hypothesis.start.levels = {rays.inside, rays.outside, {}, {}};
     const double radius = std::cbrt(std::abs(rays.shape.determinant()));
     if (!as_seeded) hypothesis.start.reach_mm = std::max(0.6 * radius, 5.0 * h);
-    hypothesis.stages = stages_of(settings);
     hypothesis.compare_after = comparison_point(hypothesis.stages);
     list.push_back(std::move(hypothesis));
   }
@@ -101,24 +100,24 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
 Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
                            const std::string& prefix) {
   const HeadReading head = read_head(image);
-  Hypothesis hypothesis;
-  hypothesis.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity());
+  Hypothesis hypothesis{.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity()),
+                        .stages = stages_of(settings),
+                        .certain = true};
   hypothesis.start.reading.name = prefix + "head";
   hypothesis.start.reading.tissue = head.levels;
   hypothesis.start.reading.inside = hypothesis.start.levels.inside = head.levels.middle;
   hypothesis.start.reading.outside = hypothesis.start.levels.outside = head.levels.low;
-  hypothesis.stages = stages_of(settings);
   hypothesis.compare_after = hypothesis.stages.size();
-  hypothesis.certain = true;
   return hypothesis;
 }
 
 // A surface that is already near tells its levels and its polarity itself.
 Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, const FitSettings& settings,
                               const std::string& prefix) {
-  Hypothesis hypothesis;
+  Hypothesis hypothesis{.start = {.surface = seed, .reading = {}, .levels = {}, .reason = {}},
+                        .stages = stages_of(settings),
+                        .certain = true};
   FitState& state = hypothesis.start;
-  state.surface = seed;
   GeometryCache geometry;
   const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1.0, 1.0));
   SurfaceSamples samples;
@@ -143,9 +142,7 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
   state.reading.sign = state.reading.inside >= state.reading.outside ? 1.0 : -1.0;
   if (settings.polarity != Polarity::automatic) state.reading.sign = settings.polarity == Polarity::bright ? 1.0 : -1.0;
   state.levels = {state.reading.inside, state.reading.outside, {}, {}};
-  hypothesis.stages = stages_of(settings);
   hypothesis.compare_after = hypothesis.stages.size();
-  hypothesis.certain = true;
   return hypothesis;
 }
 
@@ -172,8 +169,8 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
   if (!(noise > 0.0)) return list;
   for (int j = 0; j <= 8; ++j) {
     const double range = 1.5 * noise * std::pow(2.0, 0.5 * j);
-    Hypothesis hypothesis;
-    hypothesis.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity());
+    Hypothesis hypothesis{.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity()),
+                          .stages = {}};
     hypothesis.start.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
                                 1.0,
                                 false,
