@@ -55,11 +55,32 @@ std::string trimmed(std::string text) {
   return text;
 }
 
-// Reads what stands before the pixels. Nothing when the file is not DICOM.
+// The least number of bytes that a file with these elements has: their values and eight bytes each of tag and length.
+std::uint64_t least_bytes(const gdcm::DataSet& data) {
+  std::uint64_t bytes = 0;
+  for (auto element = data.Begin(); element != data.End(); ++element) {
+    const gdcm::VL length = element->GetVL();
+    if (!length.IsUndefined()) bytes += 8 + static_cast<std::uint64_t>(length);
+  }
+  return bytes;
+}
+
+// GDCM fills up pixels that the file does not hold any more.
+bool is_truncated(const gdcm::File& file, const fs::path& path) {
+  if (file.GetHeader().GetDataSetTransferSyntax() == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian) return false;
+  std::error_code failure;
+  const std::uint64_t on_disk = fs::file_size(path, failure);
+  const std::uint64_t preamble = file.GetHeader().GetPreamble().IsEmpty() ? 0 : 132;
+  return !failure && on_disk < preamble + least_bytes(file.GetHeader()) + least_bytes(file.GetDataSet());
+}
+
+// Reads the header (GDCM cannot stop before the pixels). Nothing when the file is not DICOM.
 std::optional<Slice> read_slice(const fs::path& path) {
   gdcm::Reader reader;
   reader.SetFileName(path.c_str());
   if (!reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010))) return std::nullopt;
+  if (is_truncated(reader.GetFile(), path))
+    throw_bad_volume(path, "truncated DICOM file", "copy or export the series again");
   gdcm::StringFilter filter;
   filter.SetFile(reader.GetFile());
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();

@@ -34,4 +34,9 @@ class GzFile {
   bool compressed_ = false;
 };
 
+/// Unpacks the zlib or gzip stream that starts at `offset` of a file and drops it. For decoders that do not look at
+/// zlib's verdict. \throws BadData: corrupt, or fewer than `bytes_expected` bytes; the message names `path`.
+void check_deflated(const std::filesystem::path& path, const std::filesystem::path& file, std::uint64_t offset,
+                    std::uint64_t bytes_expected);
+
 }  // namespace pellicle

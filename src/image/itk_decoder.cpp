@@ -37,17 +37,20 @@ class QuietItk {
   std::streambuf *out_, *err_;
 };
 
-// ITK's text starts with a class name and an address and spans lines.
+// ITK's text spans lines, from class names and paths to the reason itself: the last line is what a user can use.
 std::runtime_error one_line(const itk::ExceptionObject& error) {
-  std::string text = error.GetDescription();
-  const auto colon = text.find("): ");
-  if (colon != std::string::npos) text = text.substr(colon + 3);
+  std::istringstream lines(error.GetDescription());
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const auto begin = line.find_first_not_of(" \t\r");
+    if (begin != std::string::npos) text = line.substr(begin);
+  }
+  const auto address = text.find("): ");
+  if (address != std::string::npos) text = text.substr(address + 3);
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  text.erase(std::unique(text.begin(), text.end(), [](char a, char b) { return a == ' ' && b == ' '; }), text.end());
   constexpr std::size_t longest = 160;
   if (text.size() > longest) text = text.substr(0, longest) + "...";
-  while (!text.empty() && text.back() == ' ') text.pop_back();
   return std::runtime_error(text);
 }
 

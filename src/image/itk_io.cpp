@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "pellicle/image/affine_grid.h"
+#include "pellicle/image/gz_file.h"
 #include "pellicle/image/itk_decoder.h"
 #include "pellicle/image/text_header.h"
 
@@ -37,8 +39,8 @@ void check_scalar(const ItkVolume& volume, const fs::path& path) {
   if (volume.pixel == Pixel::complex)
     throw_bad_volume(path, "the voxels are complex numbers", "convert them to magnitudes");
   if (volume.pixel != Pixel::scalar || volume.components != 1) {
-    throw_bad_volume(path, fmt::format("4D data: {} values per voxel", volume.components),
-                     "extract one 3D volume first");
+    throw_bad_volume(path, fmt::format("{} values per voxel (RGB, vectors or 4D)", volume.components),
+                     "extract one grey-scale volume first");
   }
 }
 
@@ -102,14 +104,20 @@ VolumeSource open_itk_file(const fs::path& path) {
   header.grid = grid_of(volume, size, text.mm_per_unit, path, header);
   const std::size_t count = header.grid.voxel_count();
   check_data_size(text, static_cast<std::uint64_t>(count) * size_in_bytes(type), count, path);
-  source.read_blocks = [read = volume.read, type, count, path](const auto& consume) {
+  const bool verify = !text.is_nrrd && text.encoding == TextHeader::Encoding::gzip && text.data_file_bytes;
+  source.read_blocks = [read = volume.read, type, count, path, text, verify](const auto& consume) {
+    // MetaIO takes what zlib gives, whole or not.
+    if (verify) check_deflated(path, text.data_file, text.data_offset, count * size_in_bytes(type));
     std::vector<std::byte> bytes(count * size_in_bytes(type));
     try {
       read(bytes.data());
     } catch (const std::runtime_error& error) {
       refuse(path, error);
     }
-    consume({type, bytes.data(), count});
+    constexpr std::size_t block = 1U << 17;  // fits into the cache together with what is made of it
+    for (std::size_t done = 0; done < count; done += block) {
+      consume({type, bytes.data() + done * size_in_bytes(type), std::min(block, count - done)});
+    }
   };
   return source;
 }

@@ -17,7 +17,8 @@ struct Affine {
 // RAS in the file's unit -> LPS mm.
 Affine to_lps_mm(const Mat3& matrix, const Vec3& origin, double mm) {
   const Vec3 flip(-mm, -mm, mm);
-  return {flip.asDiagonal() * matrix, flip.cwiseProduct(origin)};
+  // Adding zero turns the negative zeros of the flip into plain ones.
+  return {flip.asDiagonal() * matrix, flip.cwiseProduct(origin) + Vec3::Zero()};
 }
 
 Affine sform_affine(const NiftiFrame& frame, double mm) {
@@ -90,8 +91,9 @@ ImageGrid grid_of(const NiftiFrame& frame, bool analyze, const Index3& size, con
   if (!has_sform && !has_qform) {
     const Vec3 spacing = pixdim_spacing(frame, header) * mm;
     header.warnings.push_back(
-        "The file does not say how it lies in space (no sform, no qform): index axes are taken as left, "
-        "posterior, superior, so that left and right are not certain.");
+        fmt::format("The file does not say how it lies in space ({}): index axes are taken as left, "
+                    "posterior, superior, so that left and right are not certain.",
+                    analyze ? "Analyze 7.5" : "no sform, no qform"));
     return grid_from_affine(path, size, spacing.asDiagonal(), Vec3::Zero(), header.warnings);
   }
   if (!has_sform) {

@@ -169,7 +169,6 @@ VolumeSource open_nifti(const fs::path& path) {
   VolumeSource source;
   VolumeHeader& out = source.header;
   out.format = header.version == 0 ? "Analyze 7.5" : header.version == 1 ? "NIfTI-1" : "NIfTI-2";
-  if (header.version == 0) out.warnings.emplace_back("Analyze 7.5 has no reliable orientation.");
   const Index3 size = size_of(header, path);
   const ComponentType type = component_of(header, path);
   out.component_type = name_of(type);

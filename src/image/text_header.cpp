@@ -46,10 +46,13 @@ Fields read_fields(std::istream& in, char separator, const std::string& last_key
   return fields;
 }
 
-void take_data_file(const fs::path& path, const std::string& name, bool attached, TextHeader& header) {
+void take_data_file(const fs::path& path, const std::string& name, bool attached, std::uint64_t header_bytes,
+                    TextHeader& header) {
   std::error_code failure;
   if (attached) {
-    header.data_file_bytes = fs::file_size(path, failure);
+    header.data_file = path;
+    header.data_offset = header_bytes;
+    header.data_file_bytes = fs::file_size(path, failure) - header_bytes;
     return;
   }
   if (name.find('%') != std::string::npos || lower(name).starts_with("list")) return;
@@ -59,7 +62,15 @@ void take_data_file(const fs::path& path, const std::string& name, bool attached
     throw_bad_volume(path, fmt::format("a header without its data; {} is missing", data.filename().string()),
                      "put both files side by side");
   }
+  header.data_file = data;
   header.data_file_bytes = bytes;
+}
+
+// How far the header was read; all of it when it ran to the end.
+std::uint64_t position(std::istream& in) {
+  in.clear();
+  const auto at = in.tellg();
+  return at < 0 ? 0 : static_cast<std::uint64_t>(at);
 }
 
 void take_unit(const std::string& name, TextHeader& header) {
@@ -96,7 +107,7 @@ void read_nrrd(const fs::path& path, std::istream& in, TextHeader& header) {
     throw_bad_volume(path, "bzip2 encoding is not supported", "write it with gzip or raw encoding");
   }
   const std::string data_file = fields.contains("data file") ? get("data file") : get("datafile");
-  take_data_file(path, data_file, data_file.empty(), header);
+  take_data_file(path, data_file, data_file.empty(), position(in), header);
   header.has_spacing = fields.contains("space directions") || fields.contains("spacings");
   warn_if_no_spacing(header);
   if (get("space").empty()) {
@@ -125,7 +136,7 @@ void read_meta(const fs::path& path, std::istream& in, TextHeader& header) {
   else if (lower(get("binarydata")) == "false")
     header.encoding = TextHeader::Encoding::ascii;
   const std::string data_file = get("elementdatafile");
-  take_data_file(path, data_file, lower(data_file) == "local", header);
+  take_data_file(path, data_file, lower(data_file) == "local", position(in), header);
   header.has_spacing = fields.contains("elementspacing") || fields.contains("elementsize");
   warn_if_no_spacing(header);
   take_unit(get("distanceunits"), header);

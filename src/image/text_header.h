@@ -16,7 +16,9 @@ struct TextHeader {
   Encoding encoding = Encoding::raw;
   std::string unit = "unknown";
   double mm_per_unit = 1.0;
-  std::optional<std::uint64_t> data_file_bytes;  ///< none when the data are spread over several files
+  std::filesystem::path data_file;               ///< empty when the data are spread over several files
+  std::uint64_t data_offset = 0;                 ///< where the data start in it, before skips that the header orders
+  std::optional<std::uint64_t> data_file_bytes;  ///< from there to its end; none for several files
   std::vector<std::string> warnings;
 };
 

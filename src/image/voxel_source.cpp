@@ -70,7 +70,7 @@ void check_claim(const std::filesystem::path& path, std::uint64_t bytes_claimed,
   const std::uint64_t most = compressed ? bytes_on_disk * best_deflate_ratio : bytes_on_disk;
   if (bytes_claimed > most) {
     throw_bad_volume(path,
-                     fmt::format("truncated: the header claims {} bytes of voxels, the file has {}{}", bytes_claimed,
+                     fmt::format("truncated: the header claims {} bytes, the file has {}{}", bytes_claimed,
                                  bytes_on_disk, compressed ? " (compressed)" : ""),
                      "copy or export the file again");
   }
