@@ -1,0 +1,185 @@
+#include "pellicle/surface/model_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+
+#include "pellicle/base/errors.h"
+#include "shapes.h"
+
+namespace pellicle {
+namespace {
+
+using nlohmann::json;
+
+class ModelFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("pellicle_model_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path file(const std::string& name = "model.json") const { return folder_ / name; }
+  std::filesystem::path written(const std::string& text) const {
+    std::ofstream(file("given.json"), std::ios::binary) << text;
+    return file("given.json");
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+std::string text_of(const std::filesystem::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+Surface random_surface(SubdivisionRule rule, RandomEngine& random) {
+  NormalModel model = NormalModel::start(StartSolid::icosahedron, rule);
+  Parameters parameters = shapes::perturbed_sphere(model, 0.3, random);
+  return {std::move(model), std::move(parameters)};
+}
+
+bool same_bits(const Parameters& a, const Parameters& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+TEST_F(ModelFile, ReadsBackToTheSameBits) {
+  RandomEngine random(41);
+  for (const SubdivisionRule rule : shapes::kRules) {
+    Surface surface = random_surface(rule, random);
+    const double odd[] = {-0.0, 4.9e-324, 1.7976931348623157e308, 0.1 + 0.2, 1.0, -1e-300, 12345678901234567.0};
+    for (int i = 0; i < 7; ++i) surface.parameters[6 * std::size_t(i)] = odd[i];
+    write_model(file(), surface);
+    const Surface back = read_model(file());
+    const auto& model = std::get<NormalModel>(surface.model);
+    const auto& read = std::get<NormalModel>(back.model);
+    EXPECT_TRUE(same_bits(surface.parameters, back.parameters));
+    EXPECT_TRUE(same_bits(model.on_unit_sphere(), read.on_unit_sphere()));
+    EXPECT_EQ(model.triangles(), read.triangles());
+    EXPECT_EQ(model.rule(), read.rule());
+    write_model(file("again.json"), back);
+    EXPECT_EQ(text_of(file()), text_of(file("again.json")));
+  }
+}
+
+TEST_F(ModelFile, WorksWithoutAUnitSphere) {
+  const NormalModel start = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
+  const Surface surface{NormalModel(4, start.triangles(), start.rule(), {}), start.on_unit_sphere()};
+  write_model(file(), surface);
+  EXPECT_TRUE(std::get<NormalModel>(read_model(file()).model).on_unit_sphere().empty());
+}
+
+TEST_F(ModelFile, HasTheKeysOfTheSchema) {
+  RandomEngine random(42);
+  write_model(file(), random_surface(SubdivisionRule::smooth, random));
+  const json document = json::parse(text_of(file()));
+  const json schema = json::parse(text_of(std::string(PELLICLE_SOURCE_DIR) + "/docs/model.schema.json"));
+  for (const auto& [key, value] : document.items()) EXPECT_TRUE(schema.at("properties").contains(key)) << key;
+  for (const auto& key : schema.at("required")) EXPECT_TRUE(document.contains(key)) << key;
+  EXPECT_EQ(schema.at("properties").at("version").at("const"), document.at("version"));
+}
+
+TEST_F(ModelFile, RefusesWhatBreaksARuleAndNamesTheKey) {
+  RandomEngine random(43);
+  write_model(file(), random_surface(SubdivisionRule::smooth, random));
+  const json good = json::parse(text_of(file()));
+  struct Case {
+    const char* message;
+    std::function<void(json&)> spoil;
+  };
+  const std::vector<Case> cases{
+      {"\"format\" is missing", [](json& j) { j.erase("format"); }},
+      {"\"format\" must be \"pellicle-model\"", [](json& j) { j["format"] = "mesh"; }},
+      {"\"format\" must be a string", [](json& j) { j["format"] = 3; }},
+      {"\"version\" is 2", [](json& j) { j["version"] = 2; }},
+      {"\"version\" is \"1\"", [](json& j) { j["version"] = "1"; }},
+      {"\"model\" is \"cube\"", [](json& j) { j["model"] = "cube"; }},
+      {"\"rule\" is \"best\"", [](json& j) { j["rule"] = "best"; }},
+      {"\"frame\" must be \"LPS\"", [](json& j) { j["frame"] = "RAS"; }},
+      {"\"unit\" must be \"mm\"", [](json& j) { j["unit"] = "m"; }},
+      {"\"points\" is missing", [](json& j) { j.erase("points"); }},
+      {"\"points\" must be a list", [](json& j) { j["points"] = 1; }},
+      {"\"points\" entry 3: must be a list of 3", [](json& j) { j["points"][3].push_back(1.0); }},
+      {"\"points\" entry 2: must be numbers", [](json& j) { j["points"][2][1] = "1"; }},
+      {"\"points\" entry 2: must be numbers", [](json& j) { j["points"][2][1] = nullptr; }},
+      {"\"normals\" entry 5: has length",
+       [](json& j) {
+         j["normals"][5] = {1.0, 0.1, 0.0};
+       }},
+      {"\"normals\" entry 5: has length",
+       [](json& j) {
+         j["normals"][5] = {0, 0, 0};
+       }},
+      {"\"normals\" has 11 entries", [](json& j) { j["normals"].erase(11); }},
+      {"\"triangles\" entry 0: must be whole", [](json& j) { j["triangles"][0][0] = 0.5; }},
+      {"\"triangles\" entry 0: no such vertex -1", [](json& j) { j["triangles"][0][0] = -1; }},
+      {"\"triangles\" entry 0: no such vertex", [](json& j) { j["triangles"][0][0] = 18446744073709551615U; }},
+      {"is not among the 12 points", [](json& j) { j["triangles"][0][0] = 12; }},
+      {"open", [](json& j) { j["triangles"].erase(4); }},
+      {"no triangles", [](json& j) { j["triangles"] = json::array(); }},
+      {"belongs to no triangle",
+       [](json& j) {
+         j["points"].push_back({1, 2, 3});
+         j["normals"].push_back({0, 0, 1});
+         j.erase("unit_sphere");
+       }},
+      {"\"unit_sphere\" must be an object", [](json& j) { j["unit_sphere"] = 1; }},
+      {"\"normals\" is missing", [](json& j) { j["unit_sphere"].erase("normals"); }},
+      {"unit sphere of the control mesh (vertex 2)",
+       [](json& j) {
+         j["unit_sphere"]["points"][2] = {0, 0, 2};
+       }},
+      {"unit sphere of the control mesh (all)", [](json& j) {
+         j["unit_sphere"]["points"].erase(2);
+         j["unit_sphere"]["normals"].erase(2);
+       }}};
+  for (const auto& [message, spoil] : cases) {
+    json bad = good;
+    spoil(bad);
+    try {
+      read_model(written(bad.dump()));
+      ADD_FAILURE() << "accepted, expected: " << message;
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(message));
+      EXPECT_THAT(error.what(), testing::HasSubstr("given.json"));
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    }
+  }
+}
+
+TEST_F(ModelFile, RefusesWhatIsNotJson) {
+  RandomEngine random(44);
+  write_model(file(), random_surface(SubdivisionRule::smooth, random));
+  const std::string good = text_of(file());
+  for (const std::string& text :
+       {std::string(), std::string("{\n\"format\":\n\n"), good.substr(0, good.size() / 2),
+        std::string("\x00\xff\x01", 3), std::string("[1, 2]"), std::string("{\"format\": NaN}"),
+        std::string("{\"version\": 1e999}"), good + "}", std::string(100000, '[')}) {
+    try {
+      read_model(written(text));
+      ADD_FAILURE() << "accepted: " << text.substr(0, 40);
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+      EXPECT_LE(std::strlen(error.what()), 2000U);
+    }
+  }
+}
+
+TEST_F(ModelFile, NamesFilesThatCannotBeOpened) {
+  EXPECT_THROW(read_model(file("absent.json")), NoInput);
+  EXPECT_THROW(read_model(file().parent_path()), NoInput);
+  RandomEngine random(45);
+  EXPECT_THROW(write_model(file("absent") / "model.json", random_surface(SubdivisionRule::smooth, random)),
+               CannotCreate);
+}
+
+}  // namespace
+}  // namespace pellicle
