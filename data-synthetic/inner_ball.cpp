@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pellicle/base/random.h"
+#include "pellicle/mesh/measure.h"
+
 namespace pellicle {
 namespace {
 
@@ -14,29 +17,16 @@ double depth_at(const Body& body, const TriangleMesh& surface, const Vec3& x) {
   return std::sqrt(nearest);
 }
 
-/// Centroid of the solid: facets joined to the origin of the mesh make signed tetrahedra.
-Vec3 centroid_of_solid(const TriangleMesh& surface) {
-  const Vec3 base = surface.vertices.front();
-  double volume = 0.0;
-  Vec3 moment = Vec3::Zero();
-  for (const auto& t : surface.triangles) {
-    const Vec3 a = surface.vertices[static_cast<std::size_t>(t[0])] - base;
-    const Vec3 b = surface.vertices[static_cast<std::size_t>(t[1])] - base;
-    const Vec3 c = surface.vertices[static_cast<std::size_t>(t[2])] - base;
-    const double v = a.dot(b.cross(c)) / 6.0;
-    volume += v;
-    moment += v / 4.0 * (a + b + c);
-  }
-  return base + moment / volume;
-}
-
-/// Pattern search: the six neighbours at a step that halves when none is deeper.
+/// Random search with a step that halves when no direction goes deeper. Random directions, because the depth has
+/// ridges along the medial axis on which a fixed set of directions gets stuck.
 Vec3 deepest_near(const Body& body, const TriangleMesh& surface, Vec3 x, double step) {
+  constexpr int kDirections = 40;
+  RandomEngine random(1);
   double depth = depth_at(body, surface, x);
   for (const double last = 1e-3 * step; step > last;) {
     Vec3 best = x;
-    for (int direction = 0; direction < 6; ++direction) {
-      const Vec3 y = x + (direction % 2 == 0 ? step : -step) * Vec3::Unit(direction / 2);
+    for (int k = 0; k < kDirections; ++k) {
+      const Vec3 y = x + step * Vec3(random.normal(), random.normal(), random.normal()).normalized();
       const double candidate = depth_at(body, surface, y);
       if (candidate > depth) {
         depth = candidate;
@@ -60,7 +50,7 @@ double mesh_cell(const Shape& shape) {
 }
 
 InnerBall inner_ball(const Body& body, const TriangleMesh& surface) {
-  const Vec3 centroid = centroid_of_solid(surface), half = half_bounds(body.shape);
+  const Vec3 centroid = centroid_of(surface), half = half_bounds(body.shape);
   constexpr int kSteps = 4;
   const double step = half.minCoeff() / kSteps;
   // Starts: a coarse lattice in the shape's frame. The centroid comes first and wins ties of symmetric shapes.

@@ -73,7 +73,7 @@ void PhantomSettings::validate() const {
   require(spacing.allFinite() && spacing.minCoeff() > 0.0, "--spacing", text(spacing), "must be above 0, in mm");
   require(direction_degrees.allFinite(), "--direction", text(direction_degrees), "must be finite");
   require(center.allFinite(), "--center", text(center), "must be finite");
-  require(blob_amplitude > 0.0 && blob_amplitude <= 0.6, "--blob-amplitude", fmt::format("{}", blob_amplitude),
+  require(blob_amplitude > 0.0 && blob_amplitude <= 0.6, "--amplitude", fmt::format("{}", blob_amplitude),
           "must lie in (0, 0.6]");
   require(std::isfinite(shell_thickness_mm) && shell_thickness_mm >= 0.0, "--shell-thickness",
           fmt::format("{}", shell_thickness_mm), "must be 0 (automatic) or above, in mm");
@@ -82,7 +82,9 @@ void PhantomSettings::validate() const {
           "inside and outside must be finite and differ");
   require(noise != PhantomNoise::poisson || (inside >= 0.0 && outside >= 0.0), "--contrast", levels,
           "Poisson noise needs intensities of 0 or more");
-  require(std::isfinite(blur_mm) && blur_mm >= 0.0, "--blur", fmt::format("{}", blur_mm), "must be 0 or more, in mm");
+  const double longest = grid_of(*this).extent().maxCoeff();
+  require(blur_mm >= 0.0 && blur_mm <= longest, "--blur", fmt::format("{}", blur_mm),
+          "must lie between 0 and the volume's longest edge, in mm");
   require(noise == PhantomNoise::none || (std::isfinite(snr) && snr > 0.0), "--snr", fmt::format("{}", snr),
           "must be above 0");
   require(bias >= 0.0 && bias < 1.0, "--bias", fmt::format("{}", bias), "must lie in [0, 1)");

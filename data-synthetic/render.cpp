@@ -22,12 +22,12 @@ struct AxisKernel {
   std::vector<double> taps{1.0};
 };
 
-/// Enough fine samples a voxel for the Gaussian to be sampled without aliasing (1.3 samples a sigma: 3e-4 of what lies
-/// beyond the Nyquist frequency is left), so that blurring the samples is blurring the continuous object.
+/// About two fine samples a sigma: blurring the samples is then blurring the continuous object, but for what the
+/// phase of a surface along the lattice does to the second moment of its edge (p (1 - p) instead of 1/6 of a sample).
 AxisKernel axis_kernel(double sigma_in_voxels) {
   AxisKernel kernel;
   if (sigma_in_voxels <= 0.0) return kernel;
-  kernel.factor = std::clamp(static_cast<int>(std::ceil(1.3 / sigma_in_voxels)), 1, 6);
+  kernel.factor = std::clamp(static_cast<int>(std::ceil(1.9 / sigma_in_voxels)), 1, 8);
   const double sigma = sigma_in_voxels * kernel.factor;
   kernel.radius = std::max(1, static_cast<int>(std::ceil(5.0 * sigma)));
   kernel.taps.assign(static_cast<std::size_t>(2 * kernel.radius + kernel.factor), 0.0);

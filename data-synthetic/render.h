@@ -14,7 +14,8 @@ Image<std::uint8_t> mask_of(const Body& body, const TriangleMesh& surface, const
 
 /// What the voxels see of a body: the indicator function of the solid (or of a membrane of the given thickness
 /// centred on its surface, when that is above 0), convolved with a Gaussian of standard deviation `blur_mm` and
-/// averaged over each voxel's box. Errors stay below about 1e-3 for objects of ten voxels and more.
+/// averaged over each voxel's box. The sum over voxels is exact to 1e-4 for objects of ten voxels and more; single
+/// voxels err by at most 0.4 % (where the surface runs along the lattice; rms in the edge 0.1 %), and not at mid-level.
 Image<float> fraction_of(const Body& body, const TriangleMesh& surface, const ImageGrid& grid, double membrane_mm,
                          double blur_mm);
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kTiny = 1e-12;
+constexpr double kMaxElongation = 20.0;  // truth meshes of longer shapes would not fit their triangle budget
 
 struct Legendre {
   double value, slope;
@@ -228,8 +229,13 @@ Shape make_shape(const std::string& name, const std::vector<double>& radius, dou
   const bool three = radius.size() == 3 && shape_has_half_axes(name);
   if (!valid || (radius.size() != 1 && !three)) {
     throw UsageError(fmt::format("bad radius (--radius {}): shape '{}' takes {}, in mm and above 0",
-                                 fmt::join(radius, " "), name,
+                                 fmt::join(radius, ","), name,
                                  shape_has_half_axes(name) ? "one scale or three half axes" : "one value"));
+  }
+  const auto [shortest, longest] = std::minmax_element(radius.begin(), radius.end());
+  if (*longest > kMaxElongation * *shortest) {
+    throw UsageError(fmt::format("bad radius (--radius {}): the longest half axis may be at most {} times the shortest",
+                                 fmt::join(radius, ","), kMaxElongation));
   }
   const double r = radius[0];
   const auto axes = [&](const Vec3& ratio) { return three ? Vec3(radius[0], radius[1], radius[2]) : Vec3(r * ratio); };
