@@ -259,7 +259,7 @@ pugi::xml_node add_gifti_array(pugi::xml_node root, const char* intent, const ch
     pugi::xml_node system = array.append_child("CoordinateSystemTransformMatrix");
     system.append_child("DataSpace").append_child(pugi::node_cdata).set_value("NIFTI_XFORM_SCANNER_ANAT");
     system.append_child("TransformedSpace").append_child(pugi::node_cdata).set_value("NIFTI_XFORM_SCANNER_ANAT");
-    system.append_child("MatrixData").text() = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
+    system.append_child("MatrixData").text() = "\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
   }
   array.append_child("Data").text() = base64_encode(zlib_compress(bytes)).c_str();
   return array;

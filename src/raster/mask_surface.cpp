@@ -15,6 +15,7 @@ namespace {
 // Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2); edge number = 3 * lower corner + axis.
 
 // The corners of the six faces, counter-clockwise seen from outside the cell.
+constexpr int kNarrow[5] = {0, 1, 2, 1, 0}, kWide[5] = {1, 4, 6, 4, 1};  // B, sum 4, and B * B, sum 16
 constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
 int edge_number(int a, int b) {
@@ -36,7 +37,7 @@ std::array<int, 24> loops_of(unsigned inside) {
       while ((inside >> face[(start + 3) % 4] & 1U) != 0) start = (start + 3) % 4;
       const int leave = edge_number(face[c], face[(c + 1) % 4]);
       const int enter = edge_number(face[(start + 3) % 4], face[start]);
-      next[static_cast<std::size_t>(leave)] = enter;
+      next[static_cast<std::size_t>(enter)] = leave;
     }
   }
   return next;
@@ -172,18 +173,27 @@ class MaskSurface {
     return id;
   }
 
-  // How much of the neighbourhood is inside: 27 voxels with weights 1 2 1 along each axis, less one half.
-  double excess(const Index3& node) const {
+  // How much of the neighbourhood is inside, less one half: the mask under 2 B - B * B, B = the binomial weights 1 2 1
+  // along each axis. B alone would move a surface towards its centre of curvature by a quarter of the sum of its
+  // curvatures; this combination has no second moment and leaves a sphere where it is.
+  int excess(const Index3& node) const {
+    const Index3& n = mask_.grid.size;
     int sum = 0;
-    for (int c = -1; c <= 1; ++c) {
-      for (int b = -1; b <= 1; ++b) {
-        for (int a = -1; a <= 1; ++a) {
-          if (inside(node[0] + a, node[1] + b, node[2] + c))
-            sum += (a == 0 ? 2 : 1) * (b == 0 ? 2 : 1) * (c == 0 ? 2 : 1);
+    for (int c = 0; c < 5; ++c) {
+      const int k = node[2] + c - 2;
+      if (k < 0 || k >= n[2]) continue;
+      for (int b = 0; b < 5; ++b) {
+        const int j = node[1] + b - 2;
+        if (j < 0 || j >= n[1]) continue;
+        const std::uint8_t* row = &mask_.at(0, j, k);
+        const int first = std::max(0, 2 - node[0]), end = std::min(5, n[0] + 2 - node[0]);
+        const int narrow = 128 * kNarrow[b] * kNarrow[c], wide = kWide[b] * kWide[c];
+        for (int a = first; a < end; ++a) {
+          if (row[node[0] + a - 2] != 0) sum += narrow * kNarrow[a] - wide * kWide[a];
         }
       }
     }
-    return sum / 64.0 - 0.5;
+    return sum - 2048;
   }
 
   // Where on the edge from `node` the surface crosses, 0..1. The mask only says: between the two centres. On a slope
@@ -191,7 +201,7 @@ class MaskSurface {
   double crossing(const Index3& node, int axis) const {
     Index3 far = node;
     ++far[static_cast<std::size_t>(axis)];
-    const double a = excess(node), b = excess(far);
+    const double a = excess(node), b = excess(far);  // in 1/4096
     const bool a_inside = inside(node[0], node[1], node[2]);
     if (a_inside ? !(a > 0.0 && b < 0.0) : !(a < 0.0 && b > 0.0)) return 0.5;
     return std::clamp(a / (a - b), 0.05, 0.95);
