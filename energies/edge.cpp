@@ -77,11 +77,65 @@ double blur_of(const Profiles& p, const EdgeMeasurement& m, double h) {
   return std::sqrt(std::clamp(moment, 0.25 * h * h, 4.0 * h * h));
 }
 
+// Half of the ridge's width at half height, from the median profile over the surface, plus 1.5 h: wide enough for the
+// flanks.
+double ridge_window(const Profiles& p, double sign, double h) {
+  const std::size_t n = p.values.size() / static_cast<std::size_t>(p.count);
+  std::vector<double> typical(static_cast<std::size_t>(p.count));
+  for (int k = 0; k < p.count; ++k) {
+    std::vector<double> column;
+    for (std::size_t i = 0; i < n; ++i) column.push_back(sign * p.row(i)[k]);
+    typical[static_cast<std::size_t>(k)] = median_of(std::move(column));
+  }
+  const int origin = static_cast<int>(std::lround(-p.first / p.step));
+  const double top = typical[static_cast<std::size_t>(origin)];
+  const double half = 0.5 * (top + 0.5 * (typical.front() + typical.back()));
+  int low = origin, high = origin;
+  while (low > 0 && typical[static_cast<std::size_t>(low)] > half) --low;
+  while (high + 1 < p.count && typical[static_cast<std::size_t>(high)] > half) ++high;
+  return std::clamp(0.5 * (high - low) * p.step + 1.5 * h, 2.0 * h, 6.0 * h);
+}
+
 }  // namespace
+
+NormalTargets ridge_search(const Profiles& profiles, double sign, double reach, double h) {
+  const std::size_t n = profiles.values.size() / static_cast<std::size_t>(profiles.count);
+  const int side = static_cast<int>(std::lround(3.0 * h / profiles.step));
+  const auto height = [&](std::size_t i, int k) {
+    const float* p = profiles.row(i);
+    if (k < side || k + side >= profiles.count) return 0.0;
+    const double v = std::min(sign * (p[k] - p[k - side]), sign * (p[k] - p[k + side]));
+    return std::isnan(v) ? 0.0 : v;
+  };
+  std::vector<double> best(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (int k = 0; k < profiles.count; ++k) {
+      if (std::abs(profiles.position(k)) <= reach) best[i] = std::max(best[i], height(i, k));
+    }
+  }
+  const double typical = median_of(best);
+  NormalTargets targets{std::vector<double>(n, 0.0), std::vector<double>(n, 0.05)};
+  for (std::size_t i = 0; i < n; ++i) {
+    double nearest = 2.0 * reach;
+    for (int k = 1; k + 1 < profiles.count; ++k) {
+      const double t = profiles.position(k), here = height(i, k);
+      if (std::abs(t) > reach || std::abs(t) >= std::abs(nearest) || !(here >= 0.5 * typical) || !(here > 0.0))
+        continue;
+      if (here >= height(i, k - 1) && here >= height(i, k + 1)) nearest = t;
+    }
+    if (nearest <= reach) {
+      targets.offset[i] = nearest;
+      targets.weight[i] = 1.0;
+    }
+  }
+  return targets;
+}
 
 EdgeMeasurement measure_edge(const Profiles& profiles, const SampleGraph& graph, const EdgeSettings& settings) {
   const std::size_t n = profiles.values.size() / static_cast<std::size_t>(profiles.count);
-  const double h = settings.h, window = settings.window * h;
+  const double h = settings.h;
+  const double sign = settings.sign < 0 ? -1.0 : 1.0;
+  const double window = settings.ridge ? ridge_window(profiles, sign, h) : settings.window * h;
   EdgeMeasurement m;
   m.targets = {std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
   m.inside.resize(n);

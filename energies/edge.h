@@ -28,8 +28,12 @@ struct EdgeMeasurement {
   double blur = 0.0;  ///< s in mm, from the mean profile's width, 0 when it cannot be told
 };
 
-/// \pre profiles of the unsmoothed image cover [-4h, 4h] and the window.
+/// \pre profiles of the unsmoothed image cover [-4h, 4h] (ridge: [-8h, 8h]).
 EdgeMeasurement measure_edge(const Profiles& profiles, const SampleGraph& graph, const EdgeSettings& settings);
+
+/// Long-range form for membranes: the nearest local maximum, within `reach` mm, of the height above both sides (3 h
+/// away) that is at least half of what is typical over the surface; samples that see none get little weight.
+NormalTargets ridge_search(const Profiles& profiles, double sign, double reach, double h);
 
 /// Adds s^2 (k1+k2)/2 to the offsets; |k1+k2| is limited to a quarter per h.
 void add_curvature_correction(const std::vector<double>& curvature, double blur, double h, NormalTargets& targets);

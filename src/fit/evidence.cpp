@@ -39,12 +39,13 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
   WorkingImage working(image, plain, resolution, 0.7 * h, 6.0 * h);
   working.cover(samples.x);
   const Profiles profiles =
-      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 4.0 * h, 4.0 * h, 0.5 * h);
+      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 5.0 * h, 0.5 * h);
   const InsideStatistics inside = inside_of(working.image(), mesh_of(coarse.layout, samples));
   e.noise = noise_of(working.image(), {{0, 0, 0}, working.image().grid.size});
   std::vector<double> away, contrast;
   for (std::size_t i = 0; i < area.size(); ++i) {
-    const double in = band_median(profiles, i, -4.0 * h, -1.5 * h), out = band_median(profiles, i, 1.5 * h, 4.0 * h);
+    const double near = ridge ? 2.5 * h : 1.5 * h, far = ridge ? 5.0 * h : 4.0 * h;
+    const double in = band_median(profiles, i, -far, -near), out = band_median(profiles, i, near, far);
     if (!image.grid.contains(samples.x[i]) || std::isnan(in) || std::isnan(out)) {
       e.outside_share += area[i] / total;
       continue;

@@ -76,6 +76,61 @@ void judge(const StageContext& context, Trial& trial) {
   trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
 }
 
+bool measures_edges(const Stage& stage) {
+  const auto at = stage.energies.find("edge");
+  return at != stage.energies.end() && at->second > 0.0;
+}
+
+// The remaining stages of the chosen reading. Edge stages leave a quarter of the samples out; more control points, and
+// then more or less smoothness, are kept only if they foretell the samples left out better. Last, all samples are used.
+void refine_by_evidence(const StageContext& context, Trial& trial) {
+  const auto& stages = trial.hypothesis.stages;
+  const std::size_t first_new = trial.hypothesis.compare_after;
+  FitState best = trial.state;
+  const Stage* best_stage = nullptr;
+  constexpr double kGain = 0.99;  // less than one per cent better is not better
+  for (std::size_t s = first_new; s < stages.size() && trial.state.status == FitStatus::ok; ++s) {
+    trial.state.hold_out = true;
+    trial.stages.push_back(run_stage(context, stages[s], trial.state));
+    if (!measures_edges(stages[s])) continue;
+    const bool failed = trial.state.status != FitStatus::ok;
+    if (best_stage != nullptr && (failed || !(trial.state.held_out_rms < kGain * best.held_out_rms))) {
+      trial.stages.back().reason += "; dropped: samples left out are not foretold better";
+      break;
+    }
+    best = trial.state;
+    best_stage = &stages[s];
+  }
+  trial.state = best;
+  if (best_stage == nullptr || trial.state.status != FitStatus::ok) return;
+  Stage last = *best_stage;
+  if (last.energies.contains("bending")) {
+    for (const double factor : {10.0, 0.1}) {
+      bool improved = false;
+      for (int round = 0; round < 2; ++round) {
+        Stage trial_stage = last;
+        trial_stage.energies["bending"] *= factor;
+        trial_stage.name = fmt::format("smoothness {:.0e}", trial_stage.energies["bending"]);
+        FitState state = best;
+        state.hold_out = true;
+        StageSummary summary = run_stage(context, trial_stage, state);
+        const bool better = state.status == FitStatus::ok && state.held_out_rms < best.held_out_rms;
+        if (!better) summary.reason += "; dropped: samples left out are not foretold better";
+        trial.stages.push_back(summary);
+        if (!better) break;
+        best = state;
+        last.energies["bending"] *= factor;
+        improved = true;
+      }
+      if (improved) break;
+    }
+  }
+  trial.state = best;
+  trial.state.hold_out = false;
+  last.name = "all samples";
+  trial.stages.push_back(run_stage(context, last, trial.state));
+}
+
 }  // namespace
 
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
@@ -105,7 +160,7 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
     if (better(trial, *best)) best = &trial;
   }
   if (progress) progress(0.5, "refining");
-  run_stages(context, best->hypothesis.compare_after, best->hypothesis.stages.size(), *best);
+  refine_by_evidence(context, *best);
   judge(context, *best);
   FitResult result{best->state.surface, {}};
   for (const Trial& trial : trials) {

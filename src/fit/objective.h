@@ -66,12 +66,15 @@ struct StepProblem {
 struct StepOutcome {
   int iterations = 0;
   bool usable = false;  ///< false: the solver met numbers that are not finite; parameters are unchanged
+  bool moved = true;    ///< false: no step was accepted although the gradient is not zero
   std::string message;
 };
 
 /// Moves `parameters`. Residual energies alone: Levenberg-Marquardt. With scalar energies, or when `solver` says so:
 /// ceres::GradientProblem (L-BFGS) on their sum plus half the squared residuals.
-StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, Parameters& parameters);
+/// \param trust_radius of Levenberg-Marquardt: where this step starts, and on return where it ended, for the next.
+StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, double& trust_radius,
+                       Parameters& parameters);
 
 /// The energies by name at given samples, weighted.
 std::map<std::string, double> energies_at(const StepProblem& problem, const std::vector<Vec3>& x);

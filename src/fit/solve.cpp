@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -108,7 +109,20 @@ class RowGroupCost final : public ceres::CostFunction {
   double root_weight_;
 };
 
-StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, Parameters& parameters) {
+/// Targets are drawn anew after each step: two accepted iterations are as good as the full way to the minimum.
+class StopAfterTwo final : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (summary.iteration > 0 && summary.step_is_successful) ++accepted_;
+    return accepted_ >= 2 ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  int accepted_ = 0;
+};
+
+StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, double& trust_radius,
+                                Parameters& parameters) {
   SharedSamples shared(step, parameters);
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &shared;
@@ -138,11 +152,16 @@ StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, Par
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
   options.max_num_iterations = max_iterations;
-  options.function_tolerance = 1e-4;
+  options.function_tolerance = 1e-6;
+  options.initial_trust_region_radius = std::clamp(trust_radius, 1e-2, 1e4);
+  StopAfterTwo stop;
+  options.callbacks.push_back(&stop);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {static_cast<int>(summary.iterations.size()), summary.IsSolutionUsable(), summary.message};
+  if (!summary.iterations.empty()) trust_radius = summary.iterations.back().trust_region_radius;
+  return {static_cast<int>(summary.iterations.size()) - 1, summary.IsSolutionUsable(),
+          summary.num_successful_steps > 1 || summary.termination_type == ceres::CONVERGENCE, summary.message};
 }
 
 /// Points in R^3 and unit normals on S^2, one after another.
@@ -313,15 +332,16 @@ StepOutcome solve_gradient(const StepProblem& step, int max_iterations, Paramete
   ceres::Solve(options, problem, trial.data(), &summary);
   const bool usable = summary.IsSolutionUsable();
   if (usable) parameters = std::move(trial);
-  return {static_cast<int>(summary.iterations.size()), usable, summary.message};
+  return {static_cast<int>(summary.iterations.size()) - 1, usable, true, summary.message};
 }
 
 }  // namespace
 
-StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, Parameters& parameters) {
+StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, double& trust_radius,
+                       Parameters& parameters) {
   if (solver == Solver::gradient || !problem.scalars.empty())
     return solve_gradient(problem, max_iterations, parameters);
-  return solve_least_squares(problem, max_iterations, parameters);
+  return solve_least_squares(problem, max_iterations, trust_radius, parameters);
 }
 
 }  // namespace pellicle

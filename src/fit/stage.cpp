@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "pellicle/base/interrupt.h"
+#include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/edge.h"
 #include "pellicle/energies/spacing.h"
@@ -77,6 +78,7 @@ class StageRun {
     return false;
   }
   void narrow_reach(const NormalTargets& targets);
+  void hold_out_samples(const StepGeometry& g, NormalTargets& targets);
 
   const StageContext& context_;
   const Stage& stage_;
@@ -133,8 +135,9 @@ NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
   const double spacing = reach_ > 10.0 * h_ ? reach_ / 20.0 : 0.5 * h_;
   const Profiles profiles =
       sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, extent, extent, spacing);
-  const NormalTargets targets = region_targets(profiles, state_.levels, reach_);
-  if (!state_.reading.similarity) {
+  const NormalTargets targets = state_.reading.ridge ? ridge_search(profiles, state_.reading.sign, reach_, h_)
+                                                     : region_targets(profiles, state_.levels, reach_);
+  if (!state_.reading.similarity && !state_.reading.ridge) {
     update_levels(profiles, targets, geometry_->graph, h_, step > 0, first_contrast_, state_.levels);
   }
   narrow_reach(targets);
@@ -142,9 +145,10 @@ NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
 }
 
 NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
+  const double extent = (state_.reading.ridge ? 8.25 : 4.25) * h_;
   edge_window_ = std::max(1.75, step == 0 ? 2.5 : 0.9 * edge_window_);
   const Profiles profiles =
-      sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, 4.25 * h_, 4.25 * h_, 0.25 * h_);
+      sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, extent, extent, 0.25 * h_);
   EdgeMeasurement m = measure_edge(profiles, geometry_->graph,
                                    {h_, edge_window_, state_.reading.ridge, state_.reading.sign > 0.0 ? 1 : -1});
   if (step < 2) {
@@ -154,17 +158,26 @@ NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
   }
   downweight_outliers(h_, m.targets);
   add_curvature_correction(curvature_, state_.blur_mm, h_, m.targets);
-  double squares = 0.0, weights = 0.0;
-  for (std::size_t i = 0; i < g.area.size(); ++i) {
-    squares += g.area[i] * m.targets.weight[i] * m.targets.offset[i] * m.targets.offset[i];
-    weights += g.area[i] * m.targets.weight[i];
-  }
-  rms_ = weights > 0.0 ? std::sqrt(squares / weights) : -1.0;
+  hold_out_samples(g, m.targets);
   if (m.median_contrast > 0.0 && !state_.reading.similarity) {
     state_.levels.inside = median_of(m.inside);
     state_.levels.outside = median_of(m.outside);
   }
   return {"edge", offset_rows(g.samples.x, g.samples.normal, g.area, m.targets, weight_of(stage_, "edge"))};
+}
+
+// Root mean square of the offsets over the samples that take part and, when asked for, over those that do not.
+void StageRun::hold_out_samples(const StepGeometry& g, NormalTargets& targets) {
+  double squares[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < g.area.size(); ++i) {
+    const bool out = state_.hold_out && RandomEngine(i).next() % 4 == 0;
+    const double w = g.area[i] * targets.weight[i];
+    squares[out ? 1 : 0] += w * targets.offset[i] * targets.offset[i];
+    weights[out ? 1 : 0] += w;
+    if (out) targets.weight[i] = 0.0;
+  }
+  rms_ = weights[0] > 0.0 ? std::sqrt(squares[0] / weights[0]) : -1.0;
+  if (state_.hold_out) state_.held_out_rms = weights[1] > 0.0 ? std::sqrt(squares[1] / weights[1]) : -1.0;
 }
 
 NamedRows StageRun::crossing_rows(const StepGeometry& g) {
@@ -207,6 +220,10 @@ bool StageRun::healthy(const StepGeometry& g) {
   if (g.volume < 0.0) return failed(FitStatus::inside_out, "the surface turned inside out");
   if (g.volume < 4.0 * std::pow(h_in_, 3))
     return failed(FitStatus::collapsed, "the surface shrank to less than four voxels");
+  if (state_.start_volume > 0.0 && g.volume > 10.0 * state_.start_volume) {
+    return failed(FitStatus::leaked, fmt::format("the surface grew to {:.0f} times the volume that the seed saw",
+                                                 g.volume / state_.start_volume));
+  }
   double outside = 0.0;
   for (std::size_t i = 0; i < g.area.size(); ++i)
     outside += context_.image.grid.contains(g.samples.x[i]) ? 0.0 : g.area[i];
@@ -229,6 +246,7 @@ StageSummary StageRun::run() {
   const int max_steps = context_.settings.max_iterations.value_or(stage_.max_steps);
   const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
   StepGeometry g = geometry_at(state_, *geometry_);
+  double trust_radius = 1e3;
   StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}};
   for (int step = 0; step < max_steps; ++step) {
     check_interrupt();
@@ -238,7 +256,8 @@ StageSummary StageRun::run() {
         scalar_energies({stage_, context_.settings, state_, *geometry_, image_->image(), h_, g.total_area, g.volume});
     if (step == 0) summary.energy_before = energies_at(problem, g.samples.x);
     const bool gradient = stage_.solver == Solver::gradient || !problem.scalars.empty();
-    const StepOutcome outcome = solve_step(problem, stage_.solver, gradient ? 60 : 2, state_.surface.parameters);
+    const StepOutcome outcome =
+        solve_step(problem, stage_.solver, gradient ? 60 : 8, trust_radius, state_.surface.parameters);
     summary.solver_iterations += outcome.iterations;
     ++summary.steps;
     const StepGeometry next = geometry_at(state_, *geometry_);
@@ -255,7 +274,7 @@ StageSummary StageRun::run() {
     }
     const bool arrived = weight_of(stage_, "region") == 0.0 || stage_.solver == Solver::gradient || reach_ <= 6.0 * h_;
     const bool settled = weight_of(stage_, "edge") == 0.0 || step >= 3;
-    if (move < tolerance && arrived && settled) {
+    if (outcome.moved && move < tolerance && arrived && settled) {
       summary.reason = "converged";
       break;
     }

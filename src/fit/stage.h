@@ -38,8 +38,9 @@ struct FitState {
   double blur_mm = 0.0;   ///< of the image along the surface, once measured
   FitStatus status = FitStatus::ok;
   std::string reason;
-  double start_volume = 0.0;  ///< mm^3, of the seed
-  double last_targets_rms = 0.0;
+  double start_volume = 0.0;   ///< mm^3, of the seed
+  bool hold_out = false;       ///< leave every fourth sample out of the edge energy, and measure there
+  double held_out_rms = -1.0;  ///< mm, of the samples left out, after the last edge stage that did so
 };
 
 /// Values that hold for all stages of a fit.
