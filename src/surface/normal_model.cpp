@@ -74,7 +74,8 @@ void check_unit_sphere(const Parameters& on_unit_sphere, int vertex_count) {
                               on_unit_sphere.size(), 6 * vertex_count));
   }
   for (int v = 0; v < vertex_count; ++v) {
-    const Vec3 p(&on_unit_sphere[6 * v]), n(&on_unit_sphere[6 * v + 3]);
+    const double* const block = on_unit_sphere.data() + 6 * std::size_t(v);
+    const Vec3 p(block), n(block + 3);
     if (!(std::abs(p.norm() - 1) <= 1e-6) || !((n - p).norm() <= 1e-6)) {
       throw BadData(fmt::format(
           "unit sphere of the control mesh (vertex {}): the point must have length 1 and the normal equal it", v));

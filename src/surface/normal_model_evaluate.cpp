@@ -47,7 +47,7 @@ struct PatchValues {
   explicit PatchValues(int count)
       : p(std::make_unique_for_overwrite<Vec3[]>(count)), n(std::make_unique_for_overwrite<Vec3[]>(count)) {}
   void set_corners(const Parameters& parameters, const SamplePatch& patch) {
-    for (int corner = 0; corner < 3; ++corner) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
       p[corner] = block_of(parameters, patch.blocks[2 * corner]);
       n[corner] = block_of(parameters, patch.blocks[2 * corner + 1]);
     }
@@ -307,7 +307,7 @@ void pull_back_patch(const Parameters& parameters, const SampleLayout& layout, c
       work.pull_back<Rules::control, true>(refinement.vertices[i], work.p[i], work.n[i]);
     }
   }
-  for (int corner = 0; corner < 3; ++corner) {
+  for (std::size_t corner = 0; corner < 3; ++corner) {
     std::copy_n(work.p[corner].data(), 3, gradient + 6 * corner);
     std::copy_n(work.n[corner].data(), 3, gradient + 6 * corner + 3);
   }

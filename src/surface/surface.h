@@ -28,7 +28,7 @@ void pull_back(const SurfaceModel& model, const Parameters& parameters, const Sa
 Surface refine(const Surface& surface);
 /// Closed mesh with limit normals, 2^level intervals along a control edge.
 TriangleMesh tessellate(const Surface& surface, int level);
-/// The level at which facets are about `edge_mm` long or shorter (at most 7).
+/// The level at which facet edges are about `edge_mm` long (root mean square) or shorter, at most 7.
 int tessellation_level(const Surface& surface, double edge_mm);
 /// The control mesh itself (points and normals; facets are the control triangles).
 TriangleMesh control_mesh_of(const Surface& surface);
