@@ -108,6 +108,7 @@ void read_nrrd(const fs::path& path, std::istream& in, TextHeader& header) {
   }
   const std::string data_file = fields.contains("data file") ? get("data file") : get("datafile");
   take_data_file(path, data_file, data_file.empty(), position(in), header);
+  header.skips_lines = fields.contains("line skip") || fields.contains("lineskip");
   header.has_spacing = fields.contains("space directions") || fields.contains("spacings");
   warn_if_no_spacing(header);
   if (get("space").empty()) {

@@ -13,6 +13,7 @@ struct TextHeader {
   enum class Encoding { raw, gzip, ascii, bzip2 };
   bool is_nrrd = false;
   bool has_spacing = false;
+  bool skips_lines = false;  ///< an NRRD whose data begin some lines after data_offset
   Encoding encoding = Encoding::raw;
   std::string unit = "unknown";
   double mm_per_unit = 1.0;
