@@ -176,7 +176,7 @@ TriangleMesh mesh_of(const Body& body, double cell) {
   for (int step = 0; step < kSteps / 2; ++step) relax(body.shape, mesh.triangles, mesh.vertices);
   mesh.normals.reserve(mesh.vertices.size());
   for (Vec3& x : mesh.vertices) {
-    mesh.normals.push_back(body.world_from_shape * level(body.shape, x).gradient.normalized());
+    mesh.normals.emplace_back(body.world_from_shape * level(body.shape, x).gradient.normalized());
     x = body.center + body.world_from_shape * x;
   }
   return mesh;

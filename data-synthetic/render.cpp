@@ -30,7 +30,7 @@ AxisKernel axis_kernel(double sigma_in_voxels) {
   kernel.factor = std::clamp(static_cast<int>(std::ceil(1.9 / sigma_in_voxels)), 1, 8);
   const double sigma = sigma_in_voxels * kernel.factor;
   kernel.radius = std::max(1, static_cast<int>(std::ceil(5.0 * sigma)));
-  kernel.taps.assign(static_cast<std::size_t>(2 * kernel.radius + kernel.factor), 0.0);
+  kernel.taps.assign(2 * static_cast<std::size_t>(kernel.radius) + static_cast<std::size_t>(kernel.factor), 0.0);
   double sum = 0.0;
   for (std::size_t t = 0; t < kernel.taps.size(); ++t) {
     for (int p = 0; p < kernel.factor; ++p) {
