@@ -1,0 +1,31 @@
+#pragma once
+/// One function a subcommand: it declares the flags and returns what runs when they are parsed.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+
+namespace CLI {
+class App;
+}
+
+namespace pellicle::cli {
+
+/// Returns the exit code; throws pellicle::Error.
+using Run = std::function<int(Console&)>;
+
+Run add_segment(CLI::App& app, const std::vector<std::string>& command_line);
+Run add_phantom(CLI::App& app);
+Run add_evaluate(CLI::App& app);
+Run add_export(CLI::App& app);
+Run add_info(CLI::App& app);
+
+/// Flags that every subcommand has: -q, -v, --log-json, --no-progress.
+ConsoleOptions* add_console_flags(CLI::App& app);
+
+/// "1,2,3" as three numbers; one number stands for all three. \throws UsageError naming `where`.
+std::vector<double> three_numbers(const std::string& text, const std::string& where);
+
+}  // namespace pellicle::cli

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <new>
+
+#include "commands.h"
+#include "pellicle/base/errors.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/pipeline/provenance.h"
+
+namespace {
+
+using pellicle::cli::Console;
+using pellicle::cli::Run;
+
+constexpr int failure = 1, usage = 64;
+
+std::string subcommand_of(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? "pellicle" : "pellicle " + chosen.front()->get_name();
+}
+
+int report_usage(const CLI::App& app, const CLI::ParseError& fault, Console& console) {
+  if (fault.get_exit_code() == 0) return app.exit(fault);  // --help and --version print on stdout
+  const std::string program = subcommand_of(app);
+  console.error(fmt::format("bad usage ({}): {}; see '{} --help'", program, fault.what(), program));
+  return usage;
+}
+
+int run(CLI::App& app, const std::map<const CLI::App*, Run>& commands, Console& console) {
+  try {
+    return commands.at(app.get_subcommands().front())(console);
+  } catch (const pellicle::Interrupted& stop) {
+    console.error(fmt::format("interrupted ({}): stopped by a signal; no half file is left", subcommand_of(app)));
+    return stop.exit_code();
+  } catch (const pellicle::Error& fault) {
+    console.error(fault.what());
+    return fault.exit_code();
+  } catch (const std::bad_alloc&) {
+    console.error(
+        fmt::format("out of memory ({}): the data do not fit; use a smaller volume or machine with more memory",
+                    subcommand_of(app)));
+    return failure;
+  } catch (const std::exception& fault) {
+    console.error(
+        fmt::format("internal error ({}): {}; please report this with the command", subcommand_of(app), fault.what()));
+    return failure;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pellicle::install_interrupt_handler();
+  const std::vector<std::string> command_line(argv, argv + argc);
+  Console console;
+  // An error of the flags themselves comes before they are known, so this one is looked for by hand.
+  for (const auto& word : command_line) {
+    if (word == "--log-json") console.configure({false, false, true, false});
+  }
+  CLI::App app("Few-parameter deformable surfaces for 3D biomedical images", "pellicle");
+  app.set_version_flag("--version", "pellicle " + pellicle::program_version());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 success, 1 failure, 3 an object failed its own checks, 64 usage, 65 bad data, 66 no such input,\n"
+      "73 cannot create output, 74 I/O error, 130 interrupted.\n"
+      "Example: pellicle segment -i scan.nii.gz -o out --seed-sphere 12,-30,5,8");
+  auto* segment = app.add_subcommand("segment", "volume -> fitted surface -> mask, mesh, model, report, picture");
+  auto* phantom = app.add_subcommand("phantom", "synthetic volume with exact truth");
+  auto* evaluate = app.add_subcommand("evaluate", "truth against result: overlap and surface distances");
+  auto* save = app.add_subcommand("export", "a saved model -> mesh, mask, signed distance, control mesh");
+  auto* info = app.add_subcommand("info", "what a file holds: grid, frame, spacing, type, range");
+  const std::map<const CLI::App*, Run> commands{{segment, pellicle::cli::add_segment(*segment, command_line)},
+                                                {phantom, pellicle::cli::add_phantom(*phantom)},
+                                                {evaluate, pellicle::cli::add_evaluate(*evaluate)},
+                                                {save, pellicle::cli::add_export(*save)},
+                                                {info, pellicle::cli::add_info(*info)}};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& fault) {
+    return report_usage(app, fault, console);
+  }
+  const int code = run(app, commands, console);
+  std::cout.flush();
+  return code;
+}

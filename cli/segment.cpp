@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+#include "commands.h"
+#include "pellicle/base/errors.h"
+#include "pellicle/pipeline/presets.h"
+#include "pellicle/pipeline/segment.h"
+#include "pellicle/pipeline/settings_toml.h"
+
+namespace pellicle::cli {
+
+namespace {
+
+/// Words that followed each flag on the command line.
+struct Typed {
+  std::vector<std::vector<std::string>> values;
+  std::string config;
+};
+
+std::string joined(const SettingValues& values) {
+  std::string text;
+  for (const auto& value : values) text += (text.empty() ? "" : ",") + value;
+  return text;
+}
+
+void add_key(CLI::App& app, const SettingKey& key, std::vector<std::string>& values) {
+  const std::string flags = fmt::format("{}{}--{}", key.short_flag, key.short_flag.empty() ? "" : ",", key.name);
+  const std::string standard = joined(key.get(SegmentSettings{}));
+  CLI::Option* option = nullptr;
+  if (key.kind == SettingKind::flag) {
+    const bool on = standard == "true";
+    option = app.add_flag(flags, values, key.help + (on ? fmt::format("; on unless --{}=false", key.name) : ""));
+  } else {
+    option = app.add_option(flags, values, key.help)->type_name(key.placeholder)->expected(1);
+    if (!standard.empty()) option->default_str(standard);
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  option->group(key.group);
+}
+
+bool may_repeat(const SettingKey& key) {
+  return key.kind == SettingKind::vectors || key.kind == SettingKind::table;
+}
+
+void apply_typed(const SettingKey& key, const std::vector<std::string>& values, SegmentSettings& settings) {
+  if (values.empty()) return;
+  const std::string flag = fmt::format("--{}", key.name);
+  if (values.size() > 1 && !may_repeat(key) && key.kind != SettingKind::flag) {
+    throw UsageError(fmt::format("flag given twice ({}): it takes one value; keep one", flag));
+  }
+  const std::string where = key.kind == SettingKind::flag ? flag : fmt::format("{} {}", flag, values.back());
+  if (key.kind == SettingKind::flag) {
+    key.set(settings, {values.back()}, where);
+  } else if (key.kind == SettingKind::words || key.kind == SettingKind::vector) {
+    key.set(settings, split_commas(values.front()), where);
+  } else {
+    key.set(settings, values, where);
+  }
+}
+
+// Defaults, then the preset, then the file of --config, then the command line.
+SegmentSettings resolve(const Typed& typed) {
+  const auto& keys = segment_keys();
+  SegmentSettings settings, commanded;
+  for (std::size_t i = 0; i < keys.size(); ++i) apply_typed(keys[i], typed.values[i], commanded);
+  std::string preset = commanded.preset;
+  if (preset.empty() && !typed.config.empty()) preset = read_toml_notes(typed.config).preset;
+  if (!preset.empty()) {
+    apply_toml_file(find_preset(preset), settings);
+    if (!settings.preset.empty()) {
+      throw UsageError(
+          fmt::format("bad preset (--preset {}): a preset cannot name another; remove its key 'preset'", preset));
+    }
+  }
+  if (!typed.config.empty()) apply_toml_file(typed.config, settings);
+  for (std::size_t i = 0; i < keys.size(); ++i) apply_typed(keys[i], typed.values[i], settings);
+  settings.preset = preset;
+  return settings;
+}
+
+bool asks_for_list(const Typed& typed, const std::string& name) {
+  const auto& keys = segment_keys();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i].name != name) continue;
+    for (const auto& value : typed.values[i]) {
+      if (value == "list") return true;
+    }
+  }
+  return false;
+}
+
+void print_presets() {
+  for (const auto& preset : list_presets()) {
+    std::cout << fmt::format("{:<12} {}\n{:<12} {}\n", preset.name, preset.description, "", preset.path.string());
+  }
+}
+
+void print_energies() {
+  for (const auto& energy : energy_descriptions()) {
+    std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
+                             energy.text);
+  }
+}
+
+// The stages that follow from the settings stand there as comments: as a starting point for one's own.
+void print_dry_run(const SegmentSettings& settings) {
+  std::cout << toml_of(settings);
+  if (!settings.fit.stages.empty()) return;
+  std::cout << "\n# These stages follow from the settings above; to change them, remove the '# ' in front.\n";
+  std::istringstream lines(toml_of_stages(default_stages(settings.fit)));
+  for (std::string line; std::getline(lines, line);) std::cout << fmt::format("# {}", line) << "\n";
+}
+
+int run_segment(const Typed& typed, const std::vector<std::string>& command_line, Console& console) {
+  if (asks_for_list(typed, "preset")) {
+    print_presets();
+    return 0;
+  }
+  if (asks_for_list(typed, "energy")) {
+    print_energies();
+    return 0;
+  }
+  const SegmentSettings settings = resolve(typed);
+  console.configure({settings.quiet, settings.verbose, settings.log_json, settings.no_progress});
+  if (settings.dry_run) {
+    settings.validate_values();
+    print_dry_run(settings);
+    return 0;
+  }
+  const RunContext context{command_line, [&](double share, const std::string& what) { console.progress(share, what); },
+                           [&](const std::string& message) { console.inform(message); },
+                           [&](const std::string& message) { console.warn(message); }};
+  const SegmentResult result = segment(settings, context);
+  for (const auto& object : result.objects) {
+    std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", object.label, object.volume_surface_ml,
+                             to_string(object.fit.status), object.seconds);
+    if (object.fit.status != FitStatus::ok) {
+      console.warn(fmt::format("{} ({}): {}", to_string(object.fit.status), object.name, object.fit.reason));
+    }
+  }
+  return result.exit_code();
+}
+
+}  // namespace
+
+Run add_segment(CLI::App& app, const std::vector<std::string>& command_line) {
+  auto typed = std::make_shared<Typed>();
+  const auto& keys = segment_keys();
+  typed->values.resize(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) add_key(app, keys[i], typed->values[i]);
+  app.add_option("--config", typed->config, "settings file: any flag as a key; the command line wins")
+      ->type_name("FILE.toml")
+      ->group("Run");
+  app.footer(
+      "Lengths are mm, volumes ml. One line an object on stdout: label volume_ml status seconds.\n"
+      "Example: pellicle segment -i scan.nii.gz -o out --seed-sphere 12,-30,5,8 --write mask,mesh,qc");
+  return [typed, command_line](Console& console) { return run_segment(*typed, command_line, console); };
+}
+
+}  // namespace pellicle::cli

@@ -1,0 +1,66 @@
+#include "pellicle/pipeline/qc_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pellicle/pipeline/canvas.h"
+#include "pellicle/pipeline/slice_view.h"
+
+namespace pellicle {
+
+namespace {
+
+constexpr int total_width = 1200, gap = 4, title_height = 34;
+constexpr std::size_t most_rows = 40;  // a picture of hundreds of objects would help nobody
+
+std::string title_of(const ObjectResult& object, const std::string& name, bool several) {
+  const std::string who = several ? fmt::format("{} {} {}", name, object.label, object.name) : name;
+  return fmt::format("{}   {:.4g} ml   {}", who, object.volume_surface_ml, to_string(object.fit.status));
+}
+
+std::vector<Canvas> panels_of(const Image<float>& image, const Window& window, const ObjectResult& object, int size) {
+  TriangleMesh in_index = object.mesh;
+  for (auto& vertex : in_index.vertices) vertex = image.grid.index_from_world(vertex);
+  std::vector<Canvas> panels;
+  for (const Plane plane : {Plane::axial, Plane::coronal, Plane::sagittal}) {
+    panels.push_back(draw_slice(image, window, in_index, plane, size));
+  }
+  panels.push_back(draw_shaded(object.mesh, size));
+  return panels;
+}
+
+// The end of a long name is what tells files apart.
+std::string fitting(const std::string& text, int width) {
+  const auto fits = [&](const std::string& t) { return text_width(t, 2) <= width; };
+  if (fits(text)) return text;
+  std::string tail = text;
+  while (!tail.empty() && !fits(fmt::format("...{}", tail))) tail.erase(0, 1);
+  return fmt::format("...{}", tail);
+}
+
+}  // namespace
+
+void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
+                      const std::vector<ObjectResult>& objects, const std::string& name) {
+  const bool several = objects.size() > 1;
+  const int columns = several ? 4 : 2;
+  const int size = (total_width - gap * (columns - 1)) / columns;
+  const std::size_t rows = std::min(objects.size(), most_rows);
+  const int row_height = title_height + (4 / columns) * (size + gap);
+  Canvas picture(total_width, row_height * static_cast<int>(std::max<std::size_t>(rows, 1)) - gap, {12, 13, 16});
+  const Window window = robust_window(image);
+  for (std::size_t r = 0; r < rows; ++r) {
+    const int top = static_cast<int>(r) * row_height;
+    draw_text(picture, 10, top + 10, fitting(title_of(objects[r], name, several), total_width - 20), 2,
+              {255, 255, 255});
+    const auto panels = panels_of(image, window, objects[r], size);
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+      const int column = static_cast<int>(p) % columns, row = static_cast<int>(p) / columns;
+      paste(picture, panels[p], column * (size + gap), top + title_height + row * (size + gap));
+    }
+  }
+  write_png(path, picture);
+}
+
+}  // namespace pellicle

@@ -1,0 +1,20 @@
+#pragma once
+/// The picture that lets a person judge a result at a glance.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pellicle/image/image.h"
+#include "pellicle/pipeline/segment.h"
+
+namespace pellicle {
+
+/// For each object: axial, coronal and sagittal slices through its centre with the true cut of the surface, and a
+/// shaded view of the surface. Slices follow the voxels (nearest anatomical plane) and are shown as radiologists do:
+/// the patient's right on the left of the picture, front up (axial) or to the left (sagittal).
+/// Deterministic. \throws CannotCreate, IoError.
+void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
+                      const std::vector<ObjectResult>& objects, const std::string& name);
+
+}  // namespace pellicle

@@ -1,0 +1,45 @@
+#pragma once
+/// From what the user says about seeds to start surfaces in LPS mm, one entry an object.
+
+#include <string>
+#include <vector>
+
+#include "pellicle/image/volume_file.h"
+#include "pellicle/pipeline/settings.h"
+#include "pellicle/seed/seed.h"
+
+namespace pellicle {
+
+/// A position typed in the frame `coords`, in LPS mm.
+Vec3 world_from_coords(const Vec3& x, Coords coords, const ImageGrid& grid);
+
+/// One object to fit and the candidates for its start.
+struct ObjectSeed {
+  int label = 1;     ///< 1..65535, unique
+  std::string name;  ///< "object-1" unless the user named it
+  std::vector<Seed> candidates;
+};
+
+/// A FILE[:LABEL] argument taken apart: the whole text is the file when a file of that name exists.
+struct MaskArgument {
+  std::filesystem::path file;
+  std::optional<int> label;
+};
+MaskArgument parse_mask_argument(const std::string& argument);
+
+/// Rows of a seeds file. \throws NoInput, BadData naming file and line.
+struct SeedRow {
+  Vec3 position;
+  double radius = 0.0;
+  std::optional<int> label;
+  std::string name;
+};
+std::vector<SeedRow> read_seed_table(const std::filesystem::path& path);
+
+/// Existence of every file that the seeds name. \throws NoInput.
+void check_seed_files(const SegmentSettings& settings);
+
+/// \throws NoInput, BadData (file contents), UsageError (a sphere outside the volume, labels given twice).
+std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const Image<float>& image);
+
+}  // namespace pellicle

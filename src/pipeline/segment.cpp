@@ -1,0 +1,319 @@
+#include "pellicle/pipeline/segment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "pellicle/base/atomic_file.h"
+#include "pellicle/base/errors.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/base/parallel.h"
+#include "pellicle/pipeline/outputs.h"
+#include "pellicle/pipeline/provenance.h"
+#include "pellicle/pipeline/qc_picture.h"
+#include "pellicle/pipeline/report.h"
+#include "pellicle/pipeline/seeding.h"
+#include "pellicle/pipeline/voxels.h"
+#include "pellicle/raster/rasterize.h"
+#include "pellicle/surface/model_file.h"
+
+namespace pellicle {
+namespace fs = std::filesystem;
+
+namespace {
+
+// More facets than this add nothing: on a ball of radius R the chords of 100,000 miss the surface by 4e-5 R.
+constexpr std::size_t facet_limit = 120000;
+
+int mesh_level(const SegmentSettings& settings, const Surface& surface, const ImageGrid& grid) {
+  if (settings.mesh_density) return *settings.mesh_density;
+  int level = tessellation_level(surface, 0.5 * grid.mean_spacing());
+  const std::size_t control_facets = control_mesh_of(surface).triangles.size();
+  while (level > 2 && (control_facets << (2 * level)) > facet_limit) --level;
+  return std::max(2, level);
+}
+
+// A surface that was turned inside out keeps its status, but a file of it is outward-oriented all the same.
+void turn_outward(TriangleMesh& mesh) {
+  if (volume_of(mesh) >= 0.0) return;
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  for (auto& normal : mesh.normals) normal = -normal;
+}
+
+void measure(ObjectResult& object, const SegmentSettings& settings, const ImageGrid& grid) {
+  object.mesh_level = mesh_level(settings, object.surface, grid);
+  object.mesh = tessellate(object.surface, object.mesh_level);
+  for (const auto& vertex : object.mesh.vertices) {
+    if (!vertex.allFinite()) throw Error(1, "fit failed (object): the surface is not finite; please report this");
+  }
+  turn_outward(object.mesh);
+  // Coarse meshes that the user asked for still get the volume of the smooth surface.
+  const int dense = std::max(object.mesh_level, 4);
+  TriangleMesh refined;
+  if (dense != object.mesh_level) {
+    refined = tessellate(object.surface, dense);
+    turn_outward(refined);
+  }
+  const TriangleMesh& fine = refined.vertices.empty() ? object.mesh : refined;
+  object.volume_surface_ml = volume_with_normals(fine) / 1000.0;
+  object.area_mm2 = area_of(fine);
+  object.topology = topology_of(object.mesh);
+  object.self_intersections = self_intersection_count(object.mesh);
+}
+
+/// What all objects together look like on the input's grid. Maps that nobody asked for stay empty.
+struct Maps {
+  Image<std::uint16_t> labels;
+  Image<float> distance, fraction;
+};
+
+void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& maps) {
+  const ImageGrid& grid = maps.labels.grid;
+  const Box box = box_around(object.mesh, grid, 2);
+  if (!box.empty()) {
+    const Image<std::uint8_t> mask = rasterize_mask(object.mesh, box.grid);
+    std::size_t count = 0;
+    for_each_voxel(box, grid, [&](std::size_t outer, std::size_t inner, bool border) {
+      if (mask.voxels[inner] == 0) return;
+      ++count;
+      object.touches_border = object.touches_border || border;
+      if (maps.labels.voxels[outer] == 0) {
+        maps.labels.voxels[outer] = static_cast<std::uint16_t>(object.label);
+      } else {
+        ++object.overlap_voxels;
+      }
+    });
+    object.volume_mask_ml = static_cast<double>(count) * grid.voxel_volume() / 1000.0;
+    const Image<float> fraction = rasterize_partial_volume(object.mesh, box.grid);
+    double sum = 0.0;
+    for (const float f : fraction.voxels) sum += static_cast<double>(f);
+    object.volume_partial_ml = sum * grid.voxel_volume() / 1000.0;
+    if (settings.writes("prob")) {
+      for_each_voxel(box, grid, [&](std::size_t outer, std::size_t inner, bool) {
+        maps.fraction.voxels[outer] = std::min(1.0F, maps.fraction.voxels[outer] + fraction.voxels[inner]);
+      });
+    }
+  }
+  if (settings.writes("sdf")) {
+    const Image<float> distance = rasterize_signed_distance(object.mesh, grid, grid.extent().norm());
+    for (std::size_t i = 0; i < distance.voxels.size(); ++i) {
+      maps.distance.voxels[i] = std::min(maps.distance.voxels[i], distance.voxels[i]);
+    }
+  }
+}
+
+std::string label_table(const std::vector<ObjectResult>& objects) {
+  std::string text = "index\tname\tvolume_ml\tstatus\n";
+  for (const auto& object : objects) {
+    text += fmt::format("{}\t{}\t{:.6g}\t{}\n", object.label, object.name, object.volume_mask_ml,
+                        to_string(object.fit.status));
+  }
+  return text;
+}
+
+void write_maps(const SegmentResult& result, const std::vector<PlannedFile>& plan, const Maps& maps) {
+  const SegmentSettings& settings = result.settings;
+  if (settings.writes("mask")) {
+    if (result.objects.size() > 1) {
+      write_volume(path_of(plan, "mask"), maps.labels, result.header);
+      write_text_file(path_of(plan, "labels"), label_table(result.objects));
+    } else {
+      Image<std::uint8_t> mask(maps.labels.grid);
+      std::transform(maps.labels.voxels.begin(), maps.labels.voxels.end(), mask.voxels.begin(),
+                     [](std::uint16_t label) { return static_cast<std::uint8_t>(label != 0 ? 1 : 0); });
+      write_volume(path_of(plan, "mask"), mask, result.header);
+    }
+  }
+  if (settings.writes("sdf")) write_volume(path_of(plan, "sdf"), maps.distance, result.header);
+  if (settings.writes("prob")) write_volume(path_of(plan, "prob"), maps.fraction, result.header);
+}
+
+void write_objects(const SegmentResult& result, const std::vector<PlannedFile>& plan) {
+  const SegmentSettings& settings = result.settings;
+  for (const auto& object : result.objects) {
+    const int label = result.objects.size() > 1 ? object.label : 0;
+    if (settings.writes("mesh")) write_mesh(path_of(plan, "mesh", label), object.mesh, settings.mesh_format);
+    if (settings.writes("model")) write_model(path_of(plan, "model", label), object.surface);
+    check_interrupt();
+  }
+}
+
+std::vector<fs::path> input_paths(const SegmentSettings& settings) {
+  std::vector<fs::path> paths{settings.input};
+  if (settings.seeds_file) paths.push_back(*settings.seeds_file);
+  if (settings.seed_mask) paths.push_back(parse_mask_argument(*settings.seed_mask).file);
+  if (settings.seed_model) paths.push_back(*settings.seed_model);
+  return paths;
+}
+
+std::vector<PlannedFile> checked_plan(const SegmentSettings& settings, const std::vector<int>& labels) {
+  auto plan = plan_outputs(settings, labels);
+  std::vector<fs::path> paths;
+  for (const auto& file : plan) paths.push_back(file.path);
+  check_outputs(paths, settings.overwrite, input_paths(settings));
+  return plan;
+}
+
+// Before any work: the labels as far as they are known without reading images.
+void check_early(const SegmentSettings& settings) {
+  settings.validate();
+  std::error_code ignored;
+  if (!fs::exists(settings.input, ignored)) {
+    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", settings.input.string()));
+  }
+  check_seed_files(settings);
+  std::vector<int> labels;
+  for (std::size_t i = 0; i < settings.seed_spheres.size(); ++i) labels.push_back(static_cast<int>(i) + 1);
+  if (settings.seeds_file) {
+    for (const auto& row : read_seed_table(*settings.seeds_file)) {
+      labels.push_back(row.label.value_or(static_cast<int>(labels.size()) + 1));
+    }
+  }
+  if (labels.empty()) labels.push_back(1);
+  checked_plan(settings, labels);
+}
+
+using Hash = std::future<std::string>;
+
+std::vector<Hash> start_hashes(const SegmentSettings& settings) {
+  std::vector<Hash> hashes;
+  for (const auto& path : input_paths(settings)) hashes.push_back(std::async(std::launch::async, sha256_of, path));
+  return hashes;
+}
+
+void collect_hashes(const SegmentSettings& settings, std::vector<Hash>& hashes, SegmentResult& result) {
+  std::vector<std::string> roles{"volume"};
+  if (settings.seeds_file) roles.emplace_back("seeds");
+  if (settings.seed_mask) roles.emplace_back("seed-mask");
+  if (settings.seed_model) roles.emplace_back("seed-model");
+  const auto paths = input_paths(settings);
+  for (std::size_t i = 0; i < paths.size(); ++i) result.inputs.push_back({roles[i], paths[i], hashes[i].get()});
+}
+
+Volume read_input(const SegmentSettings& settings, const RunContext& context, SegmentResult& result) {
+  Volume volume = read_volume(settings.input, {settings.spacing});
+  result.header = volume.header;
+  result.nan_count = volume.nan_count;
+  result.inf_count = volume.inf_count;
+  result.min = volume.min;
+  result.max = volume.max;
+  result.warnings = volume.header.warnings;
+  if (!(volume.max > volume.min)) {
+    throw BadData(fmt::format("constant volume ({}): every voxel is {}; there is nothing to segment",
+                              settings.input.string(), volume.min));
+  }
+  for (const auto& warning : result.warnings) {
+    if (context.warn) context.warn(fmt::format("{} ({})", warning, settings.input.string()));
+  }
+  return volume;
+}
+
+void fit_objects(const std::vector<ObjectSeed>& seeds, const Image<float>& image, const RunContext& context,
+                 SegmentResult& result) {
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    check_interrupt();
+    PhaseClock clock;
+    clock.start("fit");
+    const auto progress = [&](double share, const std::string& what) {
+      if (context.progress) {
+        context.progress(0.1 + 0.7 * (static_cast<double>(i) + share) / static_cast<double>(seeds.size()), what);
+      }
+    };
+    FitResult fit = fit_surface(image, seeds[i].candidates, result.settings.fit, progress);
+    ObjectResult object{.label = seeds[i].label,
+                        .name = seeds[i].name,
+                        .surface = std::move(fit.surface),
+                        .fit = std::move(fit.summary)};
+    clock.stop();
+    object.seconds = clock.seconds().front().second;
+    if (context.inform) {
+      context.inform(fmt::format("{}: {} ({})", object.name, to_string(object.fit.status), object.fit.reason));
+    }
+    result.objects.push_back(std::move(object));
+  }
+}
+
+void describe_outputs(const std::vector<PlannedFile>& plan, SegmentResult& result) {
+  for (const auto& file : plan) {
+    if (file.kind != "report") {
+      result.outputs.push_back({file.kind, file.path, sha256_of(file.path), fs::file_size(file.path)});
+    }
+  }
+}
+
+}  // namespace
+
+int SegmentResult::exit_code() const {
+  const bool all_ok =
+      std::all_of(objects.begin(), objects.end(), [](const ObjectResult& o) { return o.fit.status == FitStatus::ok; });
+  return all_ok ? 0 : 3;
+}
+
+SegmentResult segment(const SegmentSettings& settings, const RunContext& context) {
+  const ThreadLimit limit(settings.threads);
+  const auto tell = [&](double share, const std::string& what) {
+    if (context.inform) context.inform(what);
+    if (context.progress) context.progress(share, what);
+    check_interrupt();
+  };
+  check_early(settings);
+  SegmentResult result;
+  result.settings = settings;
+  PhaseClock clock;
+  auto hashes = start_hashes(settings);
+
+  clock.start("read");
+  tell(0.0, "reading");
+  Volume volume = read_input(settings, context, result);
+  clock.start("seed");
+  tell(0.08, "seeding");
+  const auto seeds = make_seeds(settings, volume.image);
+  std::vector<int> labels;
+  for (const auto& seed : seeds) labels.push_back(seed.label);
+  const auto plan = checked_plan(settings, labels);
+
+  clock.start("fit");
+  tell(0.1, "fitting");
+  fit_objects(seeds, volume.image, context, result);
+  if (!settings.writes("qc")) volume.image.voxels = {};  // the memory is better spent on the mask
+
+  const ImageGrid& grid = result.header.grid;
+  Maps maps;
+  maps.labels = Image<std::uint16_t>(grid);
+  if (settings.writes("prob")) maps.fraction = Image<float>(grid);
+  if (settings.writes("sdf")) maps.distance = Image<float>(grid, std::numeric_limits<float>::max());
+  for (auto& object : result.objects) {
+    clock.start("measure");
+    tell(0.8, "measuring");
+    measure(object, settings, grid);
+    clock.start("rasterise");
+    add_to_maps(object, settings, maps);
+  }
+
+  clock.start("write");
+  tell(0.9, "writing");
+  create_folder(settings.output);
+  write_maps(result, plan, maps);
+  write_objects(result, plan);
+  if (settings.writes("qc")) {
+    clock.start("picture");
+    tell(0.95, "drawing");
+    write_qc_picture(path_of(plan, "qc"), volume.image, result.objects, stem_of(settings));
+  }
+  clock.start("provenance");
+  collect_hashes(settings, hashes, result);
+  describe_outputs(plan, result);
+  clock.stop();
+  result.seconds = clock.seconds();
+  if (settings.writes("report")) {
+    write_text_file(path_of(plan, "report"), report_of(result, context.command_line).dump(2) + "\n");
+  }
+  if (context.progress) context.progress(1.0, "done");
+  return result;
+}
+
+}  // namespace pellicle

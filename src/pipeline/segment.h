@@ -1,0 +1,74 @@
+#pragma once
+/// The main job: one volume from settings to files.
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pellicle/fit/fit.h"
+#include "pellicle/image/volume_file.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/pipeline/settings.h"
+
+namespace pellicle {
+
+/// How a run talks to the outside while it goes on. All may be empty.
+struct RunContext {
+  std::vector<std::string> command_line;  ///< for the report
+  Progress progress;
+  std::function<void(const std::string&)> inform, warn;
+};
+
+/// One fitted object and what was measured on it.
+struct ObjectResult {
+  int label = 1;
+  std::string name;
+  Surface surface;
+  FitSummary fit = {};
+  TriangleMesh mesh = {};  ///< as written: closed, outward, LPS mm
+  int mesh_level = 0;
+  MeshTopology topology = {};
+  std::size_t self_intersections = 0;
+  double volume_surface_ml = 0.0;  ///< of the smooth surface
+  double volume_mask_ml = 0.0;     ///< of the marked voxels
+  double volume_partial_ml = 0.0;  ///< of the partial-volume map, inside the image
+  double area_mm2 = 0.0;
+  bool touches_border = false;     ///< marked voxels on the border of the volume
+  std::size_t overlap_voxels = 0;  ///< voxels that an earlier label had taken already
+  double seconds = 0.0;
+};
+
+struct OutputFile {
+  std::string kind;  ///< "mask", "mesh", ...
+  std::filesystem::path path;
+  std::string sha256;
+  std::uintmax_t bytes = 0;
+};
+
+struct InputFile {
+  std::string role;  ///< "volume", "seeds", "seed-mask", "seed-model"
+  std::filesystem::path path;
+  std::string sha256;
+};
+
+struct SegmentResult {
+  SegmentSettings settings;
+  VolumeHeader header;
+  std::size_t nan_count = 0, inf_count = 0;
+  float min = 0.0F, max = 0.0F;
+  std::vector<ObjectResult> objects;
+  std::vector<InputFile> inputs;
+  std::vector<OutputFile> outputs;                      ///< all but the report itself
+  std::vector<std::pair<std::string, double>> seconds;  ///< per phase
+  std::vector<std::string> warnings;
+  /// 0, or 3 when an object failed its own checks.
+  int exit_code() const;
+};
+
+/// Reads, seeds, fits, measures and writes. Nothing is written before every object is fitted.
+/// \throws what settings.validate(), read_volume, make_seeds and the writers throw; CannotCreate when an output exists
+///         and settings.overwrite is false (before any work); Interrupted.
+SegmentResult segment(const SegmentSettings& settings, const RunContext& context);
+
+}  // namespace pellicle

@@ -1,0 +1,108 @@
+#include "pellicle/pipeline/settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "pellicle/base/errors.h"
+
+namespace pellicle {
+namespace fs = std::filesystem;
+
+bool SegmentSettings::writes(const std::string& kind) const {
+  return std::find(write.begin(), write.end(), kind) != write.end();
+}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& flag, const std::string& value, const std::string& why) {
+  throw UsageError(fmt::format("bad value (--{} {}): {}", flag, value, why));
+}
+
+void validate_seeds(const SegmentSettings& s) {
+  const int kinds = static_cast<int>(!s.seed_spheres.empty() || s.seeds_file) +
+                    static_cast<int>(s.seed_mask.has_value()) + static_cast<int>(s.seed_model.has_value()) +
+                    static_cast<int>(s.seed_auto);
+  if (kinds > 1) {
+    throw UsageError(
+        "conflicting flags (--seed-*): spheres (--seed-sphere, --seeds), --seed-mask, --seed-model and --seed-auto "
+        "exclude each other; keep one kind");
+  }
+  for (const auto& sphere : s.seed_spheres) {
+    if (!(sphere[3] > 0.0)) {
+      refuse("seed-sphere", fmt::format("{},{},{},{}", sphere[0], sphere[1], sphere[2], sphere[3]),
+             "the radius must be above 0 mm");
+    }
+  }
+  if (s.objects == Objects::many) {
+    refuse("objects", "many", "finding many objects is not available yet; give one --seed-sphere for each object");
+  }
+}
+
+void validate_later_features(const SegmentSettings& s) {
+  if (s.model != "normal") {
+    refuse("model", s.model, "this version has the model 'normal' only; leave the flag out");
+  }
+  if (s.points) refuse("points", s.points->string(), "expert points are not available yet; leave the flag out");
+}
+
+void validate_outputs(const SegmentSettings& s) {
+  static const std::vector<std::string> kinds{"mask", "mesh", "model", "report", "qc", "sdf", "prob"};
+  if (s.write.empty())
+    refuse("write", "", "the list is empty; name at least one of mask, mesh, model, report, qc, sdf, prob");
+  for (const auto& kind : s.write) {
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+      refuse("write", kind, "no such output; choose from mask, mesh, model, report, qc, sdf, prob");
+    }
+  }
+  if (s.mesh_density && (*s.mesh_density < 0 || *s.mesh_density > 7)) {
+    refuse("mesh-density", fmt::format("{}", *s.mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
+  }
+  if (s.name.find('/') != std::string::npos || s.name == "." || s.name == "..") {
+    refuse("name", s.name, "must be a file stem without folders; use -o for the folder");
+  }
+}
+
+}  // namespace
+
+void SegmentSettings::validate() const {
+  if (input.empty()) throw UsageError("missing flag (-i): no input volume; give -i VOLUME");
+  if (output.empty()) throw UsageError("missing flag (-o): no output folder; give -o DIR");
+  validate_values();
+}
+
+void SegmentSettings::validate_values() const {
+  if (threads < 0) refuse("threads", fmt::format("{}", threads), "must be 1 or more; 0 means all cores");
+  if (spacing && !(spacing->minCoeff() > 0.0)) {
+    refuse("spacing", fmt::format("{},{},{}", (*spacing)[0], (*spacing)[1], (*spacing)[2]), "must be above 0 mm");
+  }
+  validate_seeds(*this);
+  validate_later_features(*this);
+  validate_outputs(*this);
+  fit.validate();
+}
+
+std::string stem_of(const SegmentSettings& settings) {
+  if (!settings.name.empty()) return settings.name;
+  fs::path input = settings.input;
+  if (!input.has_filename() || input.filename() == ".") input = fs::absolute(input).lexically_normal().parent_path();
+  std::string stem = input.filename().string();
+  static const std::vector<std::string> extensions{".gz",  ".nii",  ".nrrd", ".nhdr", ".mha", ".mhd",
+                                                   ".tif", ".tiff", ".ome",  ".hdr",  ".img", ".dcm"};
+  for (bool again = true; again;) {
+    again = false;
+    std::string lower = stem;
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (const auto& extension : extensions) {
+      if (lower.size() > extension.size() && lower.ends_with(extension)) {
+        stem.resize(stem.size() - extension.size());
+        again = true;
+        break;
+      }
+    }
+  }
+  return stem;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,102 @@
+#pragma once
+/// Everything that `pellicle segment` can be told, and the one table that spells it: a setting is a flag of the
+/// command line, a key of a TOML file and a key of the report under the same name.
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pellicle/fit/settings.h"
+#include "pellicle/mesh/mesh_file.h"
+
+namespace pellicle {
+
+/// Frame of the coordinates that a user types: LPS mm, RAS mm, or 0-based voxel indices (radii stay in mm).
+enum class Coords { lps, ras, ijk };
+enum class Objects { one, many };
+
+struct SegmentSettings {
+  std::filesystem::path input, output;
+  std::string name;                                 ///< file stem; empty: the input's name without its extensions
+  std::vector<std::array<double, 4>> seed_spheres;  ///< x, y, z in `coords`, radius in mm
+  std::optional<std::filesystem::path> seeds_file;  ///< CSV: x,y,z,r[,label[,name]], in `coords`
+  std::optional<std::string> seed_mask;             ///< FILE[:LABEL]
+  std::optional<std::filesystem::path> seed_model;
+  bool seed_auto = false;  ///< also what happens when no seed is given
+  Objects objects = Objects::one;
+  Coords coords = Coords::lps;
+  std::optional<Vec3> spacing;  ///< mm, instead of the file's
+  std::string preset;           ///< as named by the user; its values are already in the rest
+  std::string model = "normal";
+  std::optional<std::filesystem::path> points;  ///< expert points
+  FitSettings fit;
+  std::vector<std::string> write{"mask", "mesh", "model", "report"};
+  MeshFormat mesh_format = MeshFormat::ply;
+  std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: half the mean spacing
+  int threads = 0;                  ///< 0: all
+  bool overwrite = false, dry_run = false;
+  bool quiet = false, log_json = false, no_progress = false, verbose = false;
+
+  bool writes(const std::string& kind) const;
+  /// \throws UsageError naming the flag, its value and the rule. Does not look at any file.
+  void validate() const;
+  /// The same without the need for an input and an output.
+  void validate_values() const;
+};
+
+/// The stem of the output files: `name`, or the input's file name without the extensions of volume files.
+std::string stem_of(const SegmentSettings& settings);
+
+/// Values as text: what stands after a flag, or the elements of a TOML array. Numbers read back to the same bits.
+using SettingValues = std::vector<std::string>;
+
+enum class SettingKind {
+  flag,     ///< true or false
+  number,   ///< one number
+  text,     ///< one word, path or name
+  words,    ///< list of words; on the command line separated by commas
+  vector,   ///< numbers; on the command line separated by commas
+  vectors,  ///< several of them; the flag is repeated
+  table,    ///< NAME=NUMBER; the flag is repeated; a TOML table
+};
+
+struct SettingKey {
+  std::string name;         ///< "seed-sphere": key of TOML and JSON; the flag is "--" + name
+  std::string short_flag;   ///< "-i" or empty
+  std::string group;        ///< heading in the help
+  std::string placeholder;  ///< "X,Y,Z,R"
+  std::string help;         ///< with unit and default
+  SettingKind kind = SettingKind::text;
+  /// \param where is named in the error. \throws UsageError.
+  std::function<void(SegmentSettings&, const SettingValues&, const std::string& where)> set;
+  std::function<SettingValues(const SegmentSettings&)> get;  ///< empty: not set
+};
+
+/// All settings in the order of the help. Stages are no flags: see settings_toml.h.
+const std::vector<SettingKey>& segment_keys();
+
+/// Words of the enumerations, as typed: "bright", "ridge", ...
+std::string name_of(Coords coords);
+std::string name_of(Objects objects);
+std::string name_of(Polarity polarity);
+std::string name_of(Boundary boundary);
+std::string name_of(StartRule rule);
+std::string name_of(Solver solver);
+std::string name_of(SubdivisionRule rule);
+std::string name_of(StartSolid solid);
+std::string name_of(MeshFormat format);
+
+/// The value that a word stands for. \throws UsageError listing the choices.
+template <class E>
+E value_of(const std::string& word, const std::string& where);
+
+/// One finite number. \throws UsageError.
+double number_of(const std::string& word, const std::string& where);
+int integer_of(const std::string& word, const std::string& where);
+/// "1,2,3" -> {"1", "2", "3"}.
+std::vector<std::string> split_commas(const std::string& text);
+
+}  // namespace pellicle

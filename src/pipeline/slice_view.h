@@ -1,0 +1,40 @@
+#pragma once
+/// One slice of a volume with the cut of a surface, as a radiologist looks at it.
+
+#include <array>
+#include <string>
+
+#include "pellicle/image/image.h"
+#include "pellicle/mesh/triangle_mesh.h"
+#include "pellicle/pipeline/canvas.h"
+
+namespace pellicle {
+
+enum class Plane { axial, coronal, sagittal };
+
+/// Which index axes run along the picture and which way; signs +1 or -1.
+struct SliceAxes {
+  int right = 0, down = 1, through = 2;  ///< index axes
+  int right_sign = 1, down_sign = 1;
+  char left_letter = 'R', right_letter = 'L', up_letter = 'A', down_letter = 'P';
+};
+SliceAxes slice_axes(const ImageGrid& grid, Plane plane);
+
+/// Intensities shown as black and white.
+struct Window {
+  double black = 0.0, white = 1.0;
+};
+/// 1st and 99th percentile of the volume; never empty.
+Window robust_window(const Image<float>& image);
+
+/// Pieces of the cut of `mesh` (vertices in index coordinates) by the plane index[axis] = position.
+std::vector<std::array<Vec3, 2>> cut_by_plane(const TriangleMesh& mesh_in_index, int axis, double position);
+
+/// \param mesh_in_index the surface in index coordinates; the slice goes through the middle of its box.
+Canvas draw_slice(const Image<float>& image, const Window& window, const TriangleMesh& mesh_in_index, Plane plane,
+                  int size);
+
+/// Shaded view of a mesh in LPS mm from the front left above: z-buffer, Phong shading with the vertex normals.
+Canvas draw_shaded(const TriangleMesh& mesh, int size);
+
+}  // namespace pellicle
