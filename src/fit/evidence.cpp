@@ -27,7 +27,7 @@ InsideStatistics inside_of(const Image<float>& image, const TriangleMesh& mesh) 
 
 Evidence evidence_of(const Image<float>& image, const Surface& surface, bool ridge, GeometryCache& geometry) {
   Evidence e;
-  const StageGeometry& coarse = geometry.get(surface.model, sampling_level(surface.model, 1.0, 1.0));
+  const StageGeometry& coarse = geometry.get(surface.model, sampling_level(surface.model, 1e9, 1.0, true));
   SurfaceSamples samples;
   evaluate(surface.model, surface.parameters, coarse.layout, false, samples);
   const std::vector<double> area = sample_areas(coarse.layout, samples.x);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pellicle/fit/evidence.h"
 #include "pellicle/fit/hypotheses.h"
@@ -51,6 +52,7 @@ struct Trial {
   std::vector<StageSummary> stages;
   Evidence evidence;
   double volume = 0.0;
+  double credit = 0.0;  ///< evidence, weighed by the seed's size: what hypotheses are compared by
 };
 
 void run_stages(const StageContext& context, std::size_t from, std::size_t to, Trial& trial) {
@@ -74,6 +76,41 @@ FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
 void judge(const StageContext& context, Trial& trial) {
   trial.evidence = evidence_of(context.image, trial.state.surface, trial.state.reading.ridge, context.geometry);
   trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
+  // Of two readings the one nearer to the seed's size is the likelier: half the evidence at six times its radius.
+  trial.credit = trial.evidence.score;
+  if (trial.hypothesis.seed_radius > 0.0 && trial.credit > 0.0) {
+    const double ratio =
+        std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi)) / trial.hypothesis.seed_radius;
+    trial.credit /= 1.0 + ratio * ratio / 36.0;
+  }
+}
+
+// A fit that ran well is still held against the image. Thresholds: recipes measured on phantoms, CT and MR
+// (docs/accuracy.md).
+void check_evidence(const Trial& trial, FitSummary& summary) {
+  const Evidence& e = trial.evidence;
+  const bool tissue = trial.state.reading.tissue.has_value();
+  const bool moving = std::any_of(trial.stages.begin(), trial.stages.end(), [&](const StageSummary& s) {
+    return &s == &trial.stages.back() && s.reason.starts_with("step limit") && s.last_move_mm > 0.5;
+  });
+  if (moving) {
+    summary.status = FitStatus::not_converged;
+    summary.reason =
+        fmt::format("still moving by {:.2f} mm a step at the step limit", trial.stages.back().last_move_mm);
+  } else if (e.contrast <= 0.0 || (!tissue && e.score < 0.1)) {
+    summary.status = FitStatus::no_contrast;
+    summary.reason =
+        fmt::format("no evidence of an edge along a quarter of the surface (evidence {:.2f}, 0.3 is wanted)", e.score);
+  } else if (e.weak_share > 0.25 || (!tissue && e.score < 0.3)) {
+    summary.status = FitStatus::doubtful;
+    summary.reason = fmt::format("weak evidence: {:.2f} (0.3 is wanted), {:.0f} % of the surface without an edge",
+                                 e.score, 100.0 * e.weak_share);
+  } else if (summary.margin > 0.0 && summary.margin < 1.1) {
+    summary.status = FitStatus::ambiguous;
+    summary.reason = fmt::format(
+        "another reading of another size has nearly the same evidence (margin {:.2f}); give a seed or settings",
+        summary.margin);
+  }
 }
 
 bool measures_edges(const Stage& stage) {
@@ -109,6 +146,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
       bool improved = false;
       for (int round = 0; round < 2; ++round) {
         Stage trial_stage = last;
+        trial_stage.max_steps = 5;
         trial_stage.energies["bending"] *= factor;
         trial_stage.name = fmt::format("smoothness {:.0e}", trial_stage.energies["bending"]);
         FitState state = best;
@@ -131,6 +169,53 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   trial.stages.push_back(run_stage(context, last, trial.state));
 }
 
+bool better(const Trial& a, const Trial& b) {
+  const bool a_ok = a.state.status == FitStatus::ok, b_ok = b.state.status == FitStatus::ok;
+  return a_ok != b_ok ? a_ok : a.credit > b.credit;
+}
+
+// Levels that were told, or evidence far beyond what any leak was ever seen to have: other readings need no look.
+bool is_decisive(const Trial& trial) {
+  if (trial.state.status != FitStatus::ok) return false;
+  return trial.hypothesis.certain || (trial.evidence.score > 3.0 && trial.evidence.weak_share < 0.05);
+}
+
+// How much better the best is than the best of those that found another volume (by more than a fifth).
+double margin_of(const std::vector<Trial>& trials, std::size_t best) {
+  double runner_up = -1.0;
+  bool found = false;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const double ratio = trials[i].volume / trials[best].volume;
+    if (i == best || trials[i].state.status != FitStatus::ok || (ratio > 0.8 && ratio < 1.25)) continue;
+    runner_up = std::max(runner_up, trials[i].credit);
+    found = true;
+  }
+  if (!found) return -1.0;
+  return runner_up > 0.0 ? std::min(1e3, trials[best].credit / runner_up) : 1e3;
+}
+
+FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
+  const Trial& chosen = trials[best];
+  FitResult result{chosen.state.surface, {}};
+  FitSummary& summary = result.summary;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const Trial& t = trials[i];
+    summary.hypotheses.push_back({t.state.reading.name, t.state.status, t.evidence.score, 1e-3 * t.volume, i == best});
+  }
+  summary.margin = margin_of(trials, best);
+  summary.status = chosen.state.status;
+  summary.reason = chosen.state.reason;
+  summary.stages = chosen.stages;
+  summary.evidence = chosen.evidence;
+  const Reading& reading = chosen.state.reading;
+  summary.boundary = reading.ridge ? Boundary::ridge : Boundary::step;
+  summary.polarity = reading.similarity ? Polarity::automatic : reading.sign > 0.0 ? Polarity::bright : Polarity::dark;
+  summary.level_inside = chosen.state.levels.inside;
+  summary.level_outside = chosen.state.levels.outside;
+  if (summary.status == FitStatus::ok) check_evidence(chosen, summary);
+  return result;
+}
+
 }  // namespace
 
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
@@ -138,42 +223,33 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   settings.validate();
   GeometryCache geometry;
   const StageContext context{image, settings, geometry};
+  const auto prefix = [&](std::size_t s) { return seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : std::string(); };
   std::vector<Trial> trials;
-  for (std::size_t s = 0; s < seeds.size(); ++s) {
-    const std::string prefix = seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : "";
-    for (Hypothesis& h : hypotheses_for(image, seeds[s], settings, prefix)) {
+  std::size_t best = 0;
+  const auto decided = [&] { return !trials.empty() && is_decisive(trials[best]); };
+  const auto try_all = [&](std::vector<Hypothesis> hypotheses) {
+    for (Hypothesis& h : hypotheses) {
+      if (decided()) return;
+      if (progress)
+        progress(0.5 * static_cast<double>(trials.size()) / (static_cast<double>(trials.size()) + 3.0),
+                 h.start.reading.name);
       const FitState start = h.start;
-      trials.push_back({std::move(h), start, {}, {}, 0.0});
+      trials.push_back({std::move(h), start, {}, {}});
+      run_stages(context, 0, trials.back().hypothesis.compare_after, trials.back());
+      judge(context, trials.back());
+      if (better(trials.back(), trials[best])) best = trials.size() - 1;
     }
-  }
-  for (Trial& trial : trials) {
-    run_stages(context, 0, trial.hypothesis.compare_after, trial);
-    judge(context, trial);
+  };
+  for (std::size_t s = 0; s < seeds.size(); ++s) try_all(hypotheses_for(image, seeds[s], settings, prefix(s)));
+  for (std::size_t s = 0; s < seeds.size() && settings.similarity && settings.start_rule == StartRule::automatic; ++s) {
+    const auto* sphere = std::get_if<SeedSphere>(&seeds[s]);
+    if (sphere != nullptr) try_all(similarity_hypotheses(image, *sphere, settings, prefix(s)));
   }
   if (trials.empty()) return nothing_seen(seeds.front(), settings);
-  const auto better = [](const Trial& a, const Trial& b) {
-    const bool fa = a.state.status == FitStatus::ok, fb = b.state.status == FitStatus::ok;
-    return fa != fb ? fa : a.evidence.score > b.evidence.score;
-  };
-  Trial* best = &trials.front();
-  for (Trial& trial : trials) {
-    if (better(trial, *best)) best = &trial;
-  }
-  if (progress) progress(0.5, "refining");
-  refine_by_evidence(context, *best);
-  judge(context, *best);
-  FitResult result{best->state.surface, {}};
-  for (const Trial& trial : trials) {
-    result.summary.hypotheses.push_back(
-        {trial.state.reading.name, trial.state.status, trial.evidence.score, 1e-3 * trial.volume, &trial == best});
-  }
-  result.summary.status = best->state.status;
-  result.summary.reason = best->state.reason;
-  result.summary.stages = best->stages;
-  result.summary.evidence = best->evidence;
-  result.summary.level_inside = best->state.levels.inside;
-  result.summary.level_outside = best->state.levels.outside;
-  return result;
+  if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
+  refine_by_evidence(context, trials[best]);
+  judge(context, trials[best]);
+  return summarise(trials, best);
 }
 
 }  // namespace pellicle

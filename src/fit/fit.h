@@ -82,4 +82,9 @@ using Progress = std::function<void(double share, const std::string& what)>;
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
                       const Progress& progress = {});
 
+/// Start surface from a mask: the moment ellipsoid of its largest part, fitted to the mask's boundary with `detail`
+/// refinements, so that the start is the mask up to the model's resolution.
+/// \throws BadData when the mask is empty.
+Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule, StartSolid solid, int detail);
+
 }  // namespace pellicle

@@ -80,7 +80,9 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
   double h = 1.0;
   const Image<float> smoothed = ray_image(image, seed, h);
   const NormalModel model = start_model(settings);
-  for (const RayReading& rays : read_rays(smoothed, seed, h)) {
+  std::vector<RayReading> readings = read_rays(smoothed, seed, h);
+  std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  for (const RayReading& rays : readings) {
     if (!allowed(settings, rays)) continue;
     const bool as_seeded = settings.start_rule == StartRule::sphere;
     const Mat3 ball = seed.radius * Mat3::Identity();
@@ -92,6 +94,7 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
     const double radius = std::cbrt(std::abs(rays.shape.determinant()));
     if (!as_seeded) hypothesis.start.reach_mm = std::max(0.6 * radius, 5.0 * h);
     hypothesis.compare_after = comparison_point(hypothesis.stages);
+    hypothesis.seed_radius = seed.radius;
     list.push_back(std::move(hypothesis));
   }
   return list;
@@ -119,7 +122,7 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
                         .certain = true};
   FitState& state = hypothesis.start;
   GeometryCache geometry;
-  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1.0, 1.0));
+  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, true));
   SurfaceSamples samples;
   evaluate(seed.model, seed.parameters, g.layout, false, samples);
   state.start_volume = facet_volume(g.layout, samples.x);
@@ -179,6 +182,8 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
                                 Similarity{level, range},
                                 {}};
     hypothesis.start.levels = {0.0, -range, {}, {}};
+    hypothesis.start.start_volume = 0.0;  // the seed says where, not how large: evidence judges
+    hypothesis.seed_radius = seed.radius;
     const double smooth = 1e-3;
     hypothesis.stages = {{.name = "coarse",
                           .detail = 1,

@@ -27,8 +27,9 @@ const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
   return at->second;
 }
 
-int sampling_level(const SurfaceModel& model, double area, double h) {
-  const double wanted = std::clamp(area / (3.5 * h * h), 500.0, 4500.0);
+int sampling_level(const SurfaceModel& model, double area, double h, bool generous) {
+  const double most = generous ? 4000.0 : std::max(500.0, 16.0 * control_point_count(model));
+  const double wanted = std::clamp(area / (3.5 * h * h), 500.0, most);
   const double triangles = 2.0 * control_point_count(model) - 4.0;  // genus 0
   const double level = 0.5 * std::log2(2.0 * wanted / triangles);
   return std::clamp(static_cast<int>(std::lround(level)), 1, 6);
@@ -111,7 +112,8 @@ void StageRun::prepare() {
   if (weight_of(stage_, "crossing") > 0.0) reach_ = std::max(reach_, 12.0);
   state_.reach_mm = 0.0;
   image_.emplace(context_.image, state_.reading, resolution, smoothing, reach_ + 8.0 * h_);
-  geometry_ = &context_.geometry.get(state_.surface.model, sampling_level(state_.surface.model, area, h_));
+  geometry_ = &context_.geometry.get(state_.surface.model,
+                                     sampling_level(state_.surface.model, area, h_, weight_of(stage_, "edge") > 0.0));
   if (weight_of(stage_, "bending") > 0.0) {
     operators_.push_back(
         grouped_operator("bending", weight_of(stage_, "bending"), geometry_->bending, geometry_->layout));

@@ -53,7 +53,8 @@ struct StageContext {
 /// Runs `stage` on `state`; sets state.status when the surface ran away, collapsed, folded or left the image.
 StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state);
 
-/// Samples wanted on a surface: about one per 3.5 h^2, at least 500, at most 4500; the level that comes nearest.
-int sampling_level(const SurfaceModel& model, double area, double h);
+/// Level at which a surface has about one sample per 3.5 h^2; at least 500, at most 16 a control point, or 4000 when
+/// `generous`, for the last tenth of a voxel.
+int sampling_level(const SurfaceModel& model, double area, double h, bool generous);
 
 }  // namespace pellicle

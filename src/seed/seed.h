@@ -20,14 +20,9 @@ struct SeedSphere {
 /// A ball (sphere and automatic seeds), or a surface that is already near (mask and model seeds).
 using Seed = std::variant<SeedSphere, Surface>;
 
-/// Start surface from a mask: the moment ellipsoid of its largest component, then fitted to the mask's boundary with
-/// `detail` refinements, so that the start is the mask up to the model's resolution.
-/// \throws BadData when the mask is empty.
-Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule, StartSolid solid, int detail);
-
-/// Candidates for one object, best first, found without any hint: bright and dark blobs of every size
-/// (scale space), components of Otsu thresholds, the centre. Judged by fitting (fit/hypotheses.h), not here.
-/// Never empty for an image with contrast. Deterministic.
+/// Candidates for one object, found without any hint: the deepest points of the two largest bright and dark parts (Otsu
+/// threshold of the volume at 64 voxels along its longest axis), and the centre. Judged by fitting (fit/fit.h), not
+/// here. Never empty for an image with contrast. Deterministic.
 std::vector<SeedSphere> find_candidates(const Image<float>& image);
 
 /// Start ball for the brain in a T1 head: BET's robust range, centre of gravity and half of the head's radius
