@@ -1,5 +1,6 @@
-// Winding numbers along the rows of the grid. A level set by OpenVDB's meshToVolume was tried first: it fills cavities,
-// and near sharp or thin places it takes the wrong side for some voxels (tests/raster compares the two).
+// Winding numbers along the rows of the grid. A level set by OpenVDB's meshToVolume was tried first and measured: its
+// sign is wrong for some voxels within a few hundredths of a voxel of smooth facets (and up to 0.8 voxels away in tight
+// places), it fills cavities, and it takes some twenty times as long; tests/raster keeps it as a second opinion.
 #include <algorithm>
 #include <cmath>
 

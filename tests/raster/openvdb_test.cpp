@@ -4,6 +4,7 @@
 #include <openvdb/tools/MeshToVolume.h>
 
 #include "../mesh/test_meshes.h"
+#include "pellicle/mesh/distance.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -23,18 +24,22 @@ openvdb::FloatGrid::Ptr level_set(const TriangleMesh& m, const ImageGrid& g) {
 
 struct Comparison {
   std::size_t inside = 0, differ = 0;
+  double farthest = 0.0;  ///< voxel that differs from the surface, mm
 };
 
 Comparison compare(const TriangleMesh& m, const ImageGrid& g) {
   const auto grid = level_set(m, g);
   const auto access = grid->getConstAccessor();
   const Image<std::uint8_t> mask = rasterize_mask(m, g);
+  const ClosestPoint closest(m);
   Comparison out;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
         out.inside += mask.at(i, j, k);
-        out.differ += (access.getValue({i, j, k}) < 0.0F) != (mask.at(i, j, k) != 0) ? 1 : 0;
+        if ((access.getValue({i, j, k}) < 0.0F) == (mask.at(i, j, k) != 0)) continue;
+        ++out.differ;
+        out.farthest = std::max(out.farthest, closest.query(g.world_from_index(Vec3(i, j, k))).distance);
       }
     }
   }
@@ -57,7 +62,9 @@ TEST_F(OpenVdb, AgreesOnSmoothSolids) {
        {test::sphere(5, 20, centre), test::torus(120, 60, 14, 5, centre), test::blob(5, 15, centre)}) {
     const Comparison c = compare(m, g);
     EXPECT_GT(c.inside, 10000U);
-    EXPECT_LE(c.differ, c.inside / 1000) << c.inside;
+    // Its signs waver within a few hundredths of a voxel of a facet; the solid angle then sides with the mask.
+    EXPECT_LE(c.differ, c.inside / 250);
+    EXPECT_LE(c.farthest, 0.05);
   }
 }
 
