@@ -40,11 +40,11 @@ bool base64_decode(std::string_view text, std::string& bytes) {
       ++padding;
       group <<= 6;
     } else {
-      const int v = value[static_cast<unsigned char>(c)];
+      const std::int8_t v = value[static_cast<unsigned char>(c)];
       // Data after padding: VTK writes a header and its data as two padded texts in a row.
       if (v < 0 || (padding > 0 && digits != 0)) return false;
       padding = 0;
-      group = group << 6 | static_cast<std::uint32_t>(v);
+      group = group << 6 | static_cast<std::uint8_t>(v);
     }
     if (++digits < 4) continue;
     if (padding > 2) return false;

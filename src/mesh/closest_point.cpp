@@ -103,7 +103,7 @@ ClosestPoint::ClosestPoint(const TriangleMesh& mesh) {
   scene_->scale = half > 0.0 ? 1.0 / half : 1.0;
   scene_->triangles = mesh.triangles;
   scene_->vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) scene_->vertices.push_back(v - scene_->centre);
+  for (const Vec3& v : mesh.vertices) scene_->vertices.emplace_back(v - scene_->centre);
 
   RTCGeometry geometry = rtcNewGeometry(scene_->embree.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* xyz = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,

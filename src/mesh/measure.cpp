@@ -97,7 +97,7 @@ double volume_with_normals(const TriangleMesh& mesh) {
 }
 
 Vec3 centroid_of(const TriangleMesh& mesh) {
-  const Vec3 reference = reference_of(mesh);
+  Vec3 reference = reference_of(mesh);
   Vec3 first = Vec3::Zero(), sum = Vec3::Zero();
   double six = 0.0, size = 0.0;
   for (const auto& t : mesh.triangles) {

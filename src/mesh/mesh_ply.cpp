@@ -182,7 +182,21 @@ int coordinate_of(const std::string& name) {
   return -1;
 }
 
-void read_vertices(const Element& element, Values& values, TriangleMesh& mesh) {
+// 1, or the length of the list that follows, once it is known to fit in what is left of the file.
+std::size_t length_of(const Source& source, const Property& p, Values& values) {
+  if (!p.count) return 1;
+  const double count = values.next(*p.count);
+  if (!(count >= 0.0 && count * static_cast<double>(values.least(p.type)) <= static_cast<double>(values.left() + 1))) {
+    fail(source, fmt::format("a list claims {} values, more than the file holds", count));
+  }
+  return static_cast<std::size_t>(count);
+}
+
+void skip_property(const Source& source, const Property& p, Values& values) {
+  for (std::size_t n = length_of(source, p, values); n > 0; --n) values.next(p.type);
+}
+
+void read_vertices(const Source& source, const Element& element, Values& values, TriangleMesh& mesh) {
   bool normals[3] = {false, false, false};
   for (const Property& p : element.properties) {
     const int c = p.count ? -1 : coordinate_of(p.name);
@@ -194,7 +208,7 @@ void read_vertices(const Element& element, Values& values, TriangleMesh& mesh) {
   for (std::size_t v = 0; v < element.count; ++v) {
     for (const Property& p : element.properties) {
       if (p.count) {
-        for (double n = values.next(*p.count); n > 0.0; --n) values.next(p.type);
+        skip_property(source, p, values);
         continue;
       }
       const double value = values.next(p.type);
@@ -210,13 +224,9 @@ void read_faces(const Source& source, const Element& element, Values& values, Tr
   for (std::size_t f = 0; f < element.count; ++f) {
     for (const Property& p : element.properties) {
       const bool indices = p.count && (p.name == "vertex_indices" || p.name == "vertex_index");
-      const double count = p.count ? values.next(*p.count) : 1.0;
-      if (!(count >= 0.0) ||
-          count * static_cast<double>(values.least(p.type)) > static_cast<double>(values.left() + 1)) {
-        fail(source, fmt::format("facet {} claims {} corners, more than the file holds", f, count));
-      }
+      const std::size_t count = length_of(source, p, values);
       polygon.clear();
-      for (double i = 0.0; i < count; ++i) {
+      for (std::size_t i = 0; i < count; ++i) {
         const double value = values.next(p.type);
         if (indices) polygon.push_back(checked_index(source, value, mesh.vertices.size()));
       }
@@ -253,13 +263,13 @@ TriangleMesh read_ply(const Source& source) {
     }
     if (element.name == "vertex") {
       if (!xyz[0] || !xyz[1] || !xyz[2]) fail(source, "its vertices lack x, y or z");
-      read_vertices(element, values, mesh);
+      read_vertices(source, element, values, mesh);
     } else if (element.count > 0 && !element.properties.empty()) {
       const Element named = element.name == "face" ? element : Element{"", element.count, element.properties};
       if (named.name.empty()) {
         for (std::size_t i = 0; i < named.count; ++i) {
           for (const Property& p : named.properties) {
-            for (double n = p.count ? values.next(*p.count) : 1.0; n > 0.0; --n) values.next(p.type);
+            skip_property(source, p, values);
           }
         }
       } else {

@@ -108,7 +108,7 @@ TriangleMesh read_off(const Source& source) {
   TextCursor words(line);
   std::string_view word = words.next_word();
   const bool tagged = word.size() >= 3 && word.substr(word.size() - 3) == "OFF";
-  if (!tagged || word.find("4") != std::string_view::npos || word.find("n") != std::string_view::npos) {
+  if (!tagged || word.find('4') != std::string_view::npos || word.find('n') != std::string_view::npos) {
     fail(source, "it does not start with OFF, COFF or NOFF");
   }
   word = words.next_word();
@@ -129,19 +129,20 @@ TriangleMesh read_off(const Source& source) {
   }
   TriangleMesh mesh;
   mesh.vertices.reserve(static_cast<std::size_t>(vertices));
-  for (double v = 0.0; v < vertices; ++v) {
+  for (std::size_t v = 0; v < static_cast<std::size_t>(vertices); ++v) {
     if (!next_content(lines, line, number)) fail(source, "the file ends before its vertices are complete");
     words = TextCursor(line);
     mesh.vertices.push_back(read_vector(source, words, number));
   }
   std::vector<int> polygon;
-  for (double f = 0.0; f < facets; ++f) {
+  for (std::size_t f = 0; f < static_cast<std::size_t>(facets); ++f) {
     if (!next_content(lines, line, number)) fail(source, "the file ends before its facets are complete");
     words = TextCursor(line);
     double corners = 0.0;
-    if (!parse_number(words.next_word(), corners)) fail(source, fmt::format("line {} is no facet", number));
+    if (!parse_number(words.next_word(), corners) || !(corners >= 0.0 && corners <= static_cast<double>(line.size())))
+      fail(source, fmt::format("line {} is no facet", number));
     polygon.clear();
-    for (double i = 0.0; i < corners; ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(corners); ++i) {
       double index = -1.0;
       if (!parse_number(words.next_word(), index))
         fail(source, fmt::format("line {}: the facet is incomplete", number));
