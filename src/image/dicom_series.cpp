@@ -235,7 +235,7 @@ Vec3 slice_step(const std::vector<Slice>& slices, const fs::path& folder) {
     }
   }
   const Vec3 first = vec3(slices.front().position);
-  const Vec3 step = (vec3(slices.back().position) - first) / static_cast<double>(slices.size() - 1);
+  Vec3 step = (vec3(slices.back().position) - first) / static_cast<double>(slices.size() - 1);
   for (std::size_t i = 0; i < slices.size(); ++i) {
     if (!((vec3(slices[i].position) - first - static_cast<double>(i) * step).norm() <= 0.1 * typical)) {
       throw_bad_volume(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 namespace pellicle {
 namespace {
@@ -40,7 +41,7 @@ nifti_2_header widened(const nifti_1_header& h) {
   widen(h.srow_x, w.srow_x);
   widen(h.srow_y, w.srow_y);
   widen(h.srow_z, w.srow_z);
-  w.xyzt_units = h.xyzt_units;
+  w.xyzt_units = static_cast<unsigned char>(h.xyzt_units);
   w.intent_code = h.intent_code;
   return w;
 }
@@ -78,7 +79,7 @@ NiftiHeader read_nifti_header(GzFile& file, const std::filesystem::path& path) {
     if (header.swapped) nifti_swap_as_nifti2(&header.fields);
     header.version = 2;
     header.single_file = header.fields.magic[1] == '+';
-    if (std::strncmp(header.fields.magic, header.single_file ? "n+2" : "ni2", 4) != 0)
+    if (std::string_view(header.fields.magic, 3) != (header.single_file ? "n+2" : "ni2"))
       throw_bad_volume(path, not_nifti, hint);
     return header;
   }

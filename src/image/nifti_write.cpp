@@ -99,7 +99,7 @@ Header header_of(const NiftiFrame& frame, const Index3& size, int type_code, std
   std::transform(frame.pixdim.begin(), frame.pixdim.end(), std::begin(h.pixdim), real);
   h.scl_slope = 1;
   h.scl_inter = 0;
-  h.xyzt_units = static_cast<char>(XYZT_TO_SPACE(frame.xyzt_units));
+  h.xyzt_units = static_cast<decltype(h.xyzt_units)>(XYZT_TO_SPACE(frame.xyzt_units));
   h.qform_code = static_cast<std::int16_t>(frame.qform_code);
   h.sform_code = static_cast<std::int16_t>(frame.sform_code);
   h.quatern_b = real(frame.quatern[0]);
