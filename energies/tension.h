@@ -7,7 +7,7 @@
 
 namespace pellicle {
 
-/// One vector row an edge (cotangent weights on the unit sphere; negative ones, at very obtuse facets, are dropped).
+/// Two vector rows a facet of the unit sphere (linear finite elements): second order in the facet size for any angles.
 VectorRows tension_rows(const SampleLayout& layout);
 
 }  // namespace pellicle
