@@ -8,11 +8,14 @@
 namespace pellicle {
 
 ScalarRows spacing_rows(const SampleLayout& layout, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                        const std::vector<double>& area, double energy_weight) {
+                        const std::vector<double>& area, double energy_weight, const std::vector<int>& held) {
   const double total = sum(area);
   ScalarRows rows;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+  double held_area = held.empty() ? total : 0.0;
+  for (const int i : held) held_area += area[static_cast<std::size_t>(i)];
+  for (std::size_t k = 0; k < (held.empty() ? x.size() : held.size()); ++k) {
+    const std::size_t i = held.empty() ? k : static_cast<std::size_t>(held[k]);
+    const double root = std::sqrt(2.0 * energy_weight * area[i] / held_area);
     const Vec3 t1 = normal[i].unitOrthogonal();
     const Vec3 t2 = normal[i].cross(t1);
     for (const Vec3& t : {t1, t2}) {

@@ -12,8 +12,9 @@
 
 namespace pellicle {
 
-/// Linearised at x (normals held).
+/// Linearised at x (normals held). \param held the samples that the first sum runs over (their areas are scaled to A);
+/// empty: all.
 ScalarRows spacing_rows(const SampleLayout& layout, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                        const std::vector<double>& area, double energy_weight);
+                        const std::vector<double>& area, double energy_weight, const std::vector<int>& held = {});
 
 }  // namespace pellicle

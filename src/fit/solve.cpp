@@ -1,6 +1,7 @@
 // The two ways to minimise a step's problem with Ceres. See objective.h.
 
 #include <ceres/ceres.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -157,6 +158,8 @@ StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, dou
   StopAfterTwo stop;
   options.callbacks.push_back(&stop);
   options.logging_type = ceres::SILENT;
+  // CHOLMOD's own threads cost more than they save at this size, and add in scheduling order.
+  omp_set_num_threads(1);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.iterations.empty()) trust_radius = summary.iterations.back().trust_region_radius;

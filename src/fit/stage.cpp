@@ -17,8 +17,20 @@
 
 namespace pellicle {
 
-StageGeometry::StageGeometry(const SurfaceModel& model, int level)
-    : layout(layout_of(model, level)), graph(layout), bending(bending_rows(layout)) {}
+StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layout_of(model, level)), graph(layout) {
+  const SampleLayout coarser = layout_of(model, std::max(1, level - 1));
+  bending = bending_rows(coarser);
+  // A sample of the coarser level is the one of this level at the same place on the unit sphere.
+  for (const Vec3& place : coarser.on_unit_sphere) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < layout.on_unit_sphere.size(); ++i) {
+      const double d = (layout.on_unit_sphere[i] - place).squaredNorm();
+      if (d < (layout.on_unit_sphere[nearest] - place).squaredNorm()) nearest = i;
+    }
+    coarse.push_back(static_cast<int>(nearest));
+  }
+  for (int& s : bending.sample) s = coarse[static_cast<std::size_t>(s)];
+}
 
 const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
   const std::pair key{control_point_count(model), level};
@@ -123,6 +135,9 @@ void StageRun::prepare() {
         grouped_operator("tension", weight_of(stage_, "tension"), tension_rows(geometry_->layout), geometry_->layout));
   }
   first_contrast_ = state_.levels.contrast();
+  // Local levels belong to the samples of the stage that measured them.
+  state_.levels.local_inside.clear();
+  state_.levels.local_outside.clear();
 }
 
 // R <- max(4 h, min(0.85 R, 4 p90|t| + 3 h)): wide at first, narrow once the surface has arrived.
@@ -211,7 +226,7 @@ std::vector<NamedRows> StageRun::image_rows(const StepGeometry& g, int step) {
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
   if (weight_of(stage_, "spacing") > 0.0) {
     rows.push_back({"spacing", spacing_rows(geometry_->layout, g.samples.x, g.samples.normal, g.area,
-                                            weight_of(stage_, "spacing"))});
+                                            weight_of(stage_, "spacing"), geometry_->coarse)});
   }
   return rows;
 }

@@ -15,7 +15,8 @@ namespace pellicle {
 struct StageGeometry {
   SampleLayout layout;
   SampleGraph graph;
-  VectorRows bending;
+  std::vector<int> coarse;  ///< samples that the next coarser level has too: enough for what is smooth anyway
+  VectorRows bending;       ///< over the coarse samples
   StageGeometry(const SurfaceModel& model, int level);
 };
 

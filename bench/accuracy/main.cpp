@@ -1,0 +1,67 @@
+// Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, orders,
+// speed, threads (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <vector>
+
+#include "sections.h"
+
+namespace pellicle::bench {
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+TriangleMesh measuring_mesh(const Surface& surface, double h) {
+  return tessellate(surface, tessellation_level(surface, 0.7 * h));
+}
+
+}  // namespace pellicle::bench
+
+int main(int argc, char** argv) try {
+  using namespace pellicle::bench;
+  Options options;
+  const char* shared = std::getenv("PELLICLE_SHARED");
+  options.data = shared != nullptr ? std::filesystem::path(shared) / "data" : "../shared/data";
+  options.head = "/usr/share/mricron/templates";
+  options.scratch = std::filesystem::temp_directory_path() / "pellicle-bench";
+  std::vector<std::string> wanted;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&] {
+      return i + 1 < argc ? std::string(argv[++i]) : throw std::runtime_error(word + " needs a value");
+    };
+    if (word == "--data")
+      options.data = value();
+    else if (word == "--head")
+      options.head = value();
+    else if (word == "--seeds")
+      options.seeds = std::stoi(value());
+    else if (word == "--shape")
+      options.only = value();
+    else
+      wanted.push_back(word);
+  }
+  const std::vector<std::pair<std::string, void (*)(const Options&)>> sections{
+      {"sphere", [](const Options&) { clean_sphere_table(); }},
+      {"phantoms", phantom_table},
+      {"brain", brain_table},
+      {"sarcoma", sarcoma_table},
+      {"orders", storage_order_table},
+      {"speed", speed_table},
+      {"threads", thread_table}};
+  std::filesystem::create_directories(options.scratch);
+  for (const auto& [name, run] : sections) {
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run(options);
+  }
+  std::filesystem::remove_all(options.scratch);
+  return 0;
+} catch (const std::exception& e) {
+  fmt::print(stderr, "bench_accuracy: {}\n", e.what());
+  return 1;
+}

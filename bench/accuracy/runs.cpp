@@ -1,0 +1,138 @@
+// Sections that run the program itself, as its users do.
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/image/volume_file.h"
+#include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/raster/rasterize.h"
+#include "pellicle/synthetic/phantom.h"
+#include "sections.h"
+
+extern char** environ;
+
+namespace pellicle::bench {
+
+namespace {
+
+struct Run {
+  int exit_code = -1;
+  double seconds = 0.0;
+  double peak_megabytes = 0.0;
+};
+
+Run run_program(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{PELLICLE_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", 1, 0);
+  pid_t child = 0;
+  const double begin = seconds_now();
+  if (posix_spawn(&child, words[0].c_str(), &actions, nullptr, argv.data(), environ) != 0)
+    throw IoError("cannot start " + words[0]);
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  posix_spawn_file_actions_destroy(&actions);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds_now() - begin,
+          static_cast<double>(usage.ru_maxrss) / 1024.0};
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+void storage_order_table(const Options& options) {
+  fmt::print("\n## One anatomy in several storage orders\n\n");
+  const std::filesystem::path folder = options.data / "bad-and-odd" / "made";
+  if (!std::filesystem::exists(folder)) {
+    fmt::print("skipped: no folder {}\n", folder.string());
+    return;
+  }
+  fmt::print("| order | exit | largest distance to the first surface (mm) |\n|---|---|---|\n");
+  std::optional<TriangleMesh> first;
+  for (const std::string order : {"ASL", "IAL", "LAS", "LPS", "PSR"}) {
+    const std::filesystem::path mask = folder / ("reoriented_" + order + "_label.nii.gz");
+    const std::filesystem::path out = options.scratch / order;
+    const Run run =
+        run_program({"segment", "-i", (folder / ("reoriented_" + order + "_image.nii.gz")).string(), "-o", out.string(),
+                     "--name", "x", "--seed-mask", mask.string(), "--write", "mesh", "--overwrite", "-q"});
+    std::string distance = "-";
+    if (std::filesystem::exists(out / "x_surface.ply")) {
+      const TriangleMesh mesh = read_mesh(out / "x_surface.ply");
+      if (!first) first = mesh;
+      distance = fmt::format("{:.2e}", surface_distances(mesh, *first, 1.0).hd);
+    }
+    fmt::print("| {} | {} | {} |\n", order, run.exit_code, distance);
+  }
+}
+
+void speed_table(const Options& options) {
+  PhantomSettings s;
+  s.shape = "ellipsoid";
+  s.size = {256, 256, 256};
+  s.radius = {70.0};
+  s.inside = 1000.0;
+  s.outside = 200.0;
+  const Phantom phantom = make_phantom(s);
+  Image<std::int16_t> stored(phantom.image.grid);
+  for (std::size_t i = 0; i < stored.voxels.size(); ++i)
+    stored.voxels[i] = static_cast<std::int16_t>(std::lround(phantom.image.voxels[i]));
+  VolumeHeader header;
+  header.grid = stored.grid;
+  const std::filesystem::path file = options.scratch / "large.nii.gz", out = options.scratch / "large";
+  write_volume(file, stored, header);
+  const double begin = seconds_now();
+  const Volume volume = read_volume(file);
+  Image<std::uint8_t> mask(volume.image.grid);
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = phantom.truth.voxels[i];
+  write_volume(options.scratch / "copy.nii.gz", mask, volume.header);
+  const double io = seconds_now() - begin;
+  const SeedDraw seed = phantom.seeds.front();
+  const Run run = run_program({"segment", "-i", file.string(), "-o", out.string(), "--seed-sphere",
+                               fmt::format("{},{},{},{}", seed.center[0], seed.center[1], seed.center[2], seed.radius),
+                               "--overwrite", "-q"});
+  const double as_float = 4.0 * static_cast<double>(stored.voxels.size()) / (1024.0 * 1024.0);
+  fmt::print(
+      "\n## 256^3 int16, object of radius 70 voxels\n\n| read + write mask (s) | whole run (s) | ratio | peak memory / "
+      "volume as float32 | exit |\n|---|---|---|---|---|\n");
+  fmt::print("| {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", io, run.seconds, run.seconds / io,
+             run.peak_megabytes / as_float, run.exit_code);
+}
+
+void thread_table(const Options& options) {
+  const Phantom phantom = make_phantom({.shape = "bean", .size = {80, 80, 80}});
+  VolumeHeader header;
+  header.grid = phantom.image.grid;
+  const std::filesystem::path file = options.scratch / "bean.nii.gz";
+  write_volume(file, phantom.image, header);
+  const SeedDraw seed = phantom.seeds.front();
+  const std::string sphere = fmt::format("{},{},{},{}", seed.center[0], seed.center[1], seed.center[2], seed.radius);
+  for (const std::string threads : {"1", "2"}) {
+    run_program({"segment", "-i", file.string(), "-o", (options.scratch / ("threads" + threads)).string(), "--name",
+                 "x", "--seed-sphere", sphere, "--threads", threads, "--overwrite", "-q"});
+  }
+  fmt::print("\n## --threads 1 against --threads 2\n\n| file | identical bytes |\n|---|---|\n");
+  for (const std::string name : {"x_mask.nii.gz", "x_surface.ply", "x_model.json"}) {
+    const std::string one = bytes_of(options.scratch / "threads1" / name),
+                      two = bytes_of(options.scratch / "threads2" / name);
+    fmt::print("| {} | {} |\n", name, !one.empty() && one == two ? "yes" : "NO");
+  }
+}
+
+}  // namespace pellicle::bench
