@@ -88,7 +88,7 @@ void export_voxels(const Flags& f, const Surface& surface) {
   if (!f.mask.empty()) write_volume(f.mask, rasterize_mask(mesh, header.grid), header);
   if (!f.prob.empty()) write_volume(f.prob, rasterize_partial_volume(mesh, header.grid), header);
   if (!f.sdf.empty()) {
-    write_volume(f.sdf, rasterize_signed_distance(mesh, header.grid, header.grid.extent().norm()), header);
+    write_volume(f.sdf, signed_distance(surface, mesh, header.grid), header);
   }
 }
 

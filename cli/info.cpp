@@ -48,7 +48,7 @@ json volume_info(const Flags& flags, Console& console) {
   out["nan_count"] = volume.nan_count;
   out["inf_count"] = volume.inf_count;
   out["warnings"] = volume.header.warnings;
-  for (const auto& warning : volume.header.warnings) console.warn(fmt::format("{} ({})", warning, flags.file.string()));
+  for (const auto& warning : volume.header.warnings) console.warn(fmt::format("{}: {}", flags.file.string(), warning));
   return out;
 }
 

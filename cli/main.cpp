@@ -23,9 +23,15 @@ std::string subcommand_of(const CLI::App& app) {
   return chosen.empty() ? "pellicle" : "pellicle " + chosen.front()->get_name();
 }
 
-int report_usage(const CLI::App& app, const CLI::ParseError& fault, Console& console) {
+int report_usage(const CLI::App& app, const CLI::ParseError& fault, const std::vector<std::string>& command_line,
+                 Console& console) {
   if (fault.get_exit_code() == 0) return app.exit(fault);  // --help and --version print on stdout
   const std::string program = subcommand_of(app);
+  if (app.get_subcommands().empty() && command_line.size() > 1 && command_line[1].rfind('-', 0) != 0) {
+    console.error(
+        fmt::format("bad usage ({}): '{}' is no subcommand; see '{} --help'", program, command_line[1], program));
+    return usage;
+  }
   console.error(fmt::format("bad usage ({}): {}; see '{} --help'", program, fault.what(), program));
   return usage;
 }
@@ -81,7 +87,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& fault) {
-    return report_usage(app, fault, console);
+    return report_usage(app, fault, command_line, console);
   }
   const int code = run(app, commands, console);
   std::cout.flush();

@@ -99,7 +99,7 @@ void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& ma
     }
   }
   if (settings.writes("sdf")) {
-    const Image<float> distance = rasterize_signed_distance(object.mesh, grid, grid.extent().norm());
+    const Image<float> distance = signed_distance(object.surface, object.mesh, grid);
     for (std::size_t i = 0; i < distance.voxels.size(); ++i) {
       maps.distance.voxels[i] = std::min(maps.distance.voxels[i], distance.voxels[i]);
     }
@@ -207,7 +207,7 @@ Volume read_input(const SegmentSettings& settings, const RunContext& context, Se
                               settings.input.string(), volume.min));
   }
   for (const auto& warning : result.warnings) {
-    if (context.warn) context.warn(fmt::format("{} ({})", warning, settings.input.string()));
+    if (context.warn) context.warn(fmt::format("{}: {}", settings.input.string(), warning));
   }
   return volume;
 }

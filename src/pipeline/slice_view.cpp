@@ -94,7 +94,7 @@ Window robust_window(const Image<float>& image) {
     std::nth_element(values.begin(), nth, values.end());
     return static_cast<double>(*nth);
   };
-  Window window{at(0.01), at(0.99)};
+  Window window{at(0.005), at(0.995)};
   if (!(window.white > window.black)) {
     const auto [low, high] = std::minmax_element(image.voxels.begin(), image.voxels.end());
     window = {static_cast<double>(*low), static_cast<double>(*high)};

@@ -24,7 +24,7 @@ SliceAxes slice_axes(const ImageGrid& grid, Plane plane);
 struct Window {
   double black = 0.0, white = 1.0;
 };
-/// 1st and 99th percentile of the volume; never empty.
+/// 0.5th and 99.5th percentile of the volume; never empty.
 Window robust_window(const Image<float>& image);
 
 /// Pieces of the cut of `mesh` (vertices in index coordinates) by the plane index[axis] = position.

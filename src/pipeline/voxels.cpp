@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pellicle/raster/rasterize.h"
+
 namespace pellicle {
 
 Box box_around(const TriangleMesh& mesh, const ImageGrid& grid, int margin) {
@@ -29,6 +31,22 @@ Box box_around(const TriangleMesh& mesh, const ImageGrid& grid, int margin) {
   box.grid.size = size;
   box.grid.origin_in_world = grid.world_from_index(Vec3(box.first[0], box.first[1], box.first[2]));
   return box;
+}
+
+Image<float> signed_distance(const Surface& surface, const TriangleMesh& mesh, const ImageGrid& grid) {
+  constexpr std::size_t far_facets = 2500;
+  const double band = 10.0 * grid.mean_spacing();
+  Image<float> near = rasterize_signed_distance(mesh, grid, band);
+  const std::size_t control_facets = control_mesh_of(surface).triangles.size();
+  int level = 2;
+  while ((control_facets << (2 * (level + 1))) <= far_facets) ++level;
+  const Image<float> far = rasterize_signed_distance(tessellate(surface, level), grid, grid.extent().norm());
+  for (std::size_t i = 0; i < near.voxels.size(); ++i) {
+    float& value = near.voxels[i];
+    if (std::abs(value) < static_cast<float>(band)) continue;
+    value = std::copysign(std::max(static_cast<float>(band), std::abs(far.voxels[i])), value);
+  }
+  return near;
 }
 
 }  // namespace pellicle
