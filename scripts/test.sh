@@ -1,0 +1,6 @@
+#!/usr/bin/env bash
+# Sets up and runs every test.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/setup.sh release
+ctest --preset release -j "$(nproc)"
