@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pellicle/raster/rasterize.h"
-
 namespace pellicle {
 
 namespace {
@@ -14,13 +12,19 @@ struct InsideStatistics {
   double median = 0.0, deviation = 0.0;
 };
 
-InsideStatistics inside_of(const Image<float>& image, const TriangleMesh& mesh) {
-  const Image<std::uint8_t> mask = rasterize_mask(mesh, image.grid);
+// Median and spread of the image within the surface: six copies of it, drawn in towards the centre by equal shares of
+// volume.
+InsideStatistics inside_of(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<double>& area) {
+  const double total = sum(area);
+  Vec3 centre = Vec3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) centre += area[i] / total * x[i];
   std::vector<double> values;
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
-    if (mask.voxels[i] != 0) values.push_back(image.voxels[i]);
+  for (int shell = 0; shell < 6; ++shell) {
+    const double scale = std::cbrt((shell + 0.5) / 6.0);
+    for (const Vec3& p : x) values.push_back(image.at(centre + scale * (p - centre)));
   }
-  return {median_of(values), robust_deviation(values)};
+  const double deviation = robust_deviation(values);
+  return {median_of(std::move(values)), deviation};
 }
 
 }  // namespace
@@ -40,7 +44,7 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
   working.cover(samples.x);
   const Profiles profiles =
       sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 5.0 * h, 0.5 * h);
-  const InsideStatistics inside = inside_of(working.image(), mesh_of(coarse.layout, samples));
+  const InsideStatistics inside = inside_of(TrilinearField(working.image()), samples.x, area);
   e.noise = noise_of(working.image(), {{0, 0, 0}, working.image().grid.size});
   std::vector<double> away, contrast;
   for (std::size_t i = 0; i < area.size(); ++i) {

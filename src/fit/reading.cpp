@@ -12,11 +12,13 @@ WorkingImage::WorkingImage(const Image<float>& image, const Reading& reading, do
       factor_(bin_factors(image.grid, resolution * image.grid.mean_spacing())),
       smoothing_mm_(smoothing_mm),
       margin_mm_(margin_mm) {
+  as_is_ = factor_ == Index3{1, 1, 1} && smoothing_mm_ == 0.0 && !reading.similarity;
   h_ = image.grid.mean_spacing() *
        std::cbrt(static_cast<double>(factor_[0]) * static_cast<double>(factor_[1]) * static_cast<double>(factor_[2]));
 }
 
 void WorkingImage::cover(const std::vector<Vec3>& x) {
+  if (as_is_) return;
   Vec3 lo = x.front(), hi = x.front();
   for (const Vec3& p : x) {
     lo = lo.cwiseMin(p);

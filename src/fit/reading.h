@@ -34,7 +34,7 @@ class WorkingImage {
                double margin_mm);
   /// Makes sure that everything within the margin of `x` that lies in the volume is here.
   void cover(const std::vector<Vec3>& x);
-  const Image<float>& image() const { return image_; }
+  const Image<float>& image() const { return as_is_ ? source_ : image_; }
   double h() const { return h_; }  ///< of the working grid, mm
 
  private:
@@ -42,6 +42,7 @@ class WorkingImage {
   const Reading& reading_;
   Index3 factor_;
   double smoothing_mm_, margin_mm_, h_;
+  bool as_is_ = false;  ///< neither binned nor smoothed nor read anew: the input itself, no copy
   IndexBox box_;
   Image<float> image_;
 };

@@ -49,8 +49,7 @@ Image<float> crop_and_bin(const Image<float>& image, const IndexBox& box, const 
   Image<float> out(grid);
   const bool copy = factor == Index3{1, 1, 1};
   parallel_for(static_cast<std::size_t>(grid.size[2]), 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> sum(static_cast<std::size_t>(grid.size[0]));
-    std::vector<int> count(sum.size());
+    std::vector<float> row(static_cast<std::size_t>(box.size[0]));
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
       for (int j = 0; j < grid.size[1]; ++j) {
         float* target = &out.at(0, j, k);
@@ -59,20 +58,22 @@ Image<float> crop_and_bin(const Image<float>& image, const IndexBox& box, const 
           std::copy(source, source + grid.size[0], target);
           continue;
         }
-        std::fill(sum.begin(), sum.end(), 0.0);
-        std::fill(count.begin(), count.end(), 0);
+        // First the sum of the block's rows, contiguous in memory, then of its columns.
+        std::fill(row.begin(), row.end(), 0.0F);
         const int k1 = std::min((k + 1) * factor[2], box.size[2]), j1 = std::min((j + 1) * factor[1], box.size[1]);
         for (int kk = k * factor[2]; kk < k1; ++kk) {
           for (int jj = j * factor[1]; jj < j1; ++jj) {
             const float* source = &image.at(box.begin[0], box.begin[1] + jj, box.begin[2] + kk);
-            for (int ii = 0; ii < box.size[0]; ++ii) {
-              const auto i = static_cast<std::size_t>(ii / factor[0]);
-              sum[i] += source[ii];
-              ++count[i];
-            }
+            for (std::size_t ii = 0; ii < row.size(); ++ii) row[ii] += source[ii];
           }
         }
-        for (std::size_t i = 0; i < sum.size(); ++i) target[i] = static_cast<float>(sum[i] / count[i]);
+        const int rows = (k1 - k * factor[2]) * (j1 - j * factor[1]);
+        for (int i = 0; i < grid.size[0]; ++i) {
+          const int first = i * factor[0], last = std::min(first + factor[0], box.size[0]);
+          double sum = 0.0;
+          for (int ii = first; ii < last; ++ii) sum += static_cast<double>(row[static_cast<std::size_t>(ii)]);
+          target[i] = static_cast<float>(sum / (rows * (last - first)));
+        }
       }
     }
   });
@@ -96,32 +97,50 @@ std::vector<float> gaussian_kernel(double sigma_in_voxels) {
   return kernel;
 }
 
-// One axis, in place: rows of `stride` contiguous values are convolved along the axis, so that the inner loop runs over
-// contiguous memory for y and z too.
-void smooth_axis(Image<float>& image, int axis, const std::vector<float>& kernel) {
+// Lines along x: the line with its ends continued, then one pass over it for each weight.
+void smooth_x(Image<float>& image, const std::vector<float>& kernel) {
+  const auto n = static_cast<std::size_t>(image.grid.size[0]);
+  const std::size_t radius = kernel.size() / 2;
+  parallel_for(image.voxels.size() / n, 256, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> padded(n + 2 * radius);
+    for (std::size_t line = begin; line < end; ++line) {
+      float* data = image.voxels.data() + line * n;
+      std::fill_n(padded.begin(), radius, data[0]);
+      std::copy(data, data + n, padded.begin() + static_cast<std::ptrdiff_t>(radius));
+      std::fill_n(padded.begin() + static_cast<std::ptrdiff_t>(radius + n), radius, data[n - 1]);
+      std::fill(data, data + n, 0.0F);
+      for (std::size_t k = 0; k < kernel.size(); ++k) {
+        const float w = kernel[k];
+        const float* in = padded.data() + k;
+        for (std::size_t i = 0; i < n; ++i) data[i] += w * in[i];
+      }
+    }
+  });
+}
+
+// Lines along y or z, one x-row of them side by side, so that the inner loop runs over contiguous memory.
+void smooth_yz(Image<float>& image, int axis, const std::vector<float>& kernel) {
   const Index3& size = image.grid.size;
   const int n = size[static_cast<std::size_t>(axis)];
   const int radius = static_cast<int>(kernel.size() / 2);
-  const std::size_t width = axis == 0 ? 1 : static_cast<std::size_t>(size[0]);  // values convolved side by side
-  const std::size_t step = axis == 0 ? 1 : axis == 1 ? width : width * static_cast<std::size_t>(size[1]);
-  const std::size_t lines = image.voxels.size() / (width * static_cast<std::size_t>(n));
-  parallel_for(lines, axis == 0 ? 64 : 1, [&](std::size_t begin, std::size_t end) {
+  const auto width = static_cast<std::size_t>(size[0]);
+  const std::size_t step = axis == 1 ? width : width * static_cast<std::size_t>(size[1]);
+  parallel_for(static_cast<std::size_t>(size[axis == 1 ? 2 : 1]), 1, [&](std::size_t begin, std::size_t end) {
     std::vector<float> buffer(width * static_cast<std::size_t>(n));
     for (std::size_t line = begin; line < end; ++line) {
-      const std::size_t start = axis == 2 ? line * width : line * width * static_cast<std::size_t>(n);
-      float* data = image.voxels.data() + start;
+      float* data = image.voxels.data() + line * (axis == 1 ? width * static_cast<std::size_t>(n) : width);
       for (int i = 0; i < n; ++i) {
-        float* out = buffer.data() + static_cast<std::size_t>(i) * width;
+        const float* row = data + static_cast<std::size_t>(i) * step;
+        std::copy(row, row + width, buffer.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(i) * width));
+      }
+      for (int i = 0; i < n; ++i) {
+        float* out = data + static_cast<std::size_t>(i) * step;
         std::fill(out, out + width, 0.0F);
         for (int k = -radius; k <= radius; ++k) {
           const float w = kernel[static_cast<std::size_t>(k + radius)];
-          const float* in = data + static_cast<std::size_t>(std::clamp(i + k, 0, n - 1)) * step;
+          const float* in = buffer.data() + static_cast<std::size_t>(std::clamp(i + k, 0, n - 1)) * width;
           for (std::size_t c = 0; c < width; ++c) out[c] += w * in[c];
         }
-      }
-      for (int i = 0; i < n; ++i) {
-        const float* from = buffer.data() + static_cast<std::size_t>(i) * width;
-        std::copy(from, from + width, data + static_cast<std::size_t>(i) * step);
       }
     }
   });
@@ -132,8 +151,12 @@ void smooth_axis(Image<float>& image, int axis, const std::vector<float>& kernel
 Image<float> gaussian_smooth(Image<float> image, double sigma_mm) {
   for (int axis = 0; axis < 3; ++axis) {
     const double sigma = sigma_mm / image.grid.spacing[axis];
-    if (sigma >= 0.2 && image.grid.size[static_cast<std::size_t>(axis)] > 1)
-      smooth_axis(image, axis, gaussian_kernel(sigma));
+    if (sigma < 0.2 || image.grid.size[static_cast<std::size_t>(axis)] <= 1) continue;
+    if (axis == 0) {
+      smooth_x(image, gaussian_kernel(sigma));
+    } else {
+      smooth_yz(image, axis, gaussian_kernel(sigma));
+    }
   }
   return image;
 }
