@@ -157,7 +157,9 @@ json report_of(const SegmentResult& result, const std::vector<std::string>& comm
   report["command_line"] = command_line;
   report["finished"] = utc_time();
   report["exit_code"] = result.exit_code();
-  report["settings"] = json_of(result.settings);
+  SegmentSettings resolved = result.settings;
+  if (resolved.fit.stages.empty()) resolved.fit.stages = default_stages(resolved.fit);
+  report["settings"] = json_of(resolved);
   report["input"] = input_json(result);
   json inputs = json::array(), outputs = json::array(), objects = json::array();
   for (const auto& file : result.inputs) {

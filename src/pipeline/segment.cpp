@@ -71,6 +71,14 @@ struct Maps {
   Image<float> distance, fraction;
 };
 
+Maps empty_maps(const SegmentSettings& settings, const ImageGrid& grid) {
+  Maps maps;
+  maps.labels = Image<std::uint16_t>(grid);
+  if (settings.writes("prob")) maps.fraction = Image<float>(grid);
+  if (settings.writes("sdf")) maps.distance = Image<float>(grid, std::numeric_limits<float>::max());
+  return maps;
+}
+
 void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& maps) {
   const ImageGrid& grid = maps.labels.grid;
   const Box box = box_around(object.mesh, grid, 2);
@@ -279,13 +287,10 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   clock.start("fit");
   tell(0.1, "fitting");
   fit_objects(seeds, volume.image, context, result);
-  if (!settings.writes("qc")) volume.image.voxels = {};  // the memory is better spent on the mask
+  if (!settings.writes("qc")) std::vector<float>().swap(volume.image.voxels);  // memory that the maps need
 
   const ImageGrid& grid = result.header.grid;
-  Maps maps;
-  maps.labels = Image<std::uint16_t>(grid);
-  if (settings.writes("prob")) maps.fraction = Image<float>(grid);
-  if (settings.writes("sdf")) maps.distance = Image<float>(grid, std::numeric_limits<float>::max());
+  Maps maps = empty_maps(settings, grid);
   for (auto& object : result.objects) {
     clock.start("measure");
     tell(0.8, "measuring");
