@@ -259,6 +259,18 @@ TEST(VolumePrior, of_a_sphere_is_half_the_squared_error_of_its_radius) {
   EXPECT_LE(volume_prior(ball(9.0) / 1.05, 1.05, ball(9.0), 3.0, {}, none), 1e-20);
 }
 
+TEST(Inflation, is_bounded_and_best_at_four_voxels_outward_or_inward) {
+  std::vector<Vec3> none;
+  const double h = 1.5, area = 1000.0, volume = 3000.0;
+  for (const double weight : {0.3, -0.3, 2.0}) {
+    const auto energy = [&](double move) { return inflation(volume + area * move, volume, area, h, weight, {}, none); };
+    const double best = weight > 0.0 ? 4.0 * h : -4.0 * h;
+    EXPECT_LT(energy(best), 0.0);
+    for (const double move : {-1e6, -10.0, 0.0, 0.99 * best, 1.01 * best, 10.0, 1e6})
+      EXPECT_GT(energy(move), energy(best));
+  }
+}
+
 TEST(Inflation, unit_weight_pushes_like_a_voxel) {
   // dE per unit outward motion of the whole surface is -h: the slope of (t^2)/2 at t = h.
   const Samples s = test::sphere_samples(4, 10.0);
