@@ -14,6 +14,7 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/mesh_file.h"
 #include "pellicle/raster/rasterize.h"
+#include "pellicle/seed/components.h"
 #include "pellicle/synthetic/phantom.h"
 #include "sections.h"
 
@@ -65,13 +66,18 @@ void storage_order_table(const Options& options) {
     return;
   }
   fmt::print("| order | exit | largest distance to the first surface (mm) |\n|---|---|---|\n");
+  // One ball, in mm: the middle of the labelled structure.
+  const Image<std::int32_t> labels = read_labels(folder / "reoriented_LPS_label.nii.gz").labels;
+  Image<std::uint8_t> mask(labels.grid);
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = labels.voxels[i] != 0 ? 1 : 0;
+  const Vec3 c = moments_of(mask).centroid;
+  const std::string ball = fmt::format("{:.4f},{:.4f},{:.4f},5", c[0], c[1], c[2]);
   std::optional<TriangleMesh> first;
   for (const std::string order : {"ASL", "IAL", "LAS", "LPS", "PSR"}) {
-    const std::filesystem::path mask = folder / ("reoriented_" + order + "_label.nii.gz");
     const std::filesystem::path out = options.scratch / order;
     const Run run =
         run_program({"segment", "-i", (folder / ("reoriented_" + order + "_image.nii.gz")).string(), "-o", out.string(),
-                     "--name", "x", "--seed-mask", mask.string(), "--write", "mesh", "--overwrite", "-q"});
+                     "--name", "x", "--seed-sphere", ball, "--write", "mesh", "--overwrite", "-q"});
     std::string distance = "-";
     if (std::filesystem::exists(out / "x_surface.ply")) {
       const TriangleMesh mesh = read_mesh(out / "x_surface.ply");

@@ -76,12 +76,14 @@ FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
 void judge(const StageContext& context, Trial& trial) {
   trial.evidence = evidence_of(context.image, trial.state.surface, trial.state.reading.ridge, context.geometry);
   trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
-  // Of two readings the one nearer to the seed's size is the likelier: half the evidence at six times its radius.
+  // A seed says where the object is and, roughly, how large. Half the credit at three times its radius or a third of
+  // it.
   trial.credit = trial.evidence.score;
   if (trial.hypothesis.seed_radius > 0.0 && trial.credit > 0.0) {
-    const double ratio =
-        std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi)) / trial.hypothesis.seed_radius;
-    trial.credit /= 1.0 + ratio * ratio / 36.0;
+    const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
+    const double ratio = radius / (3.0 * trial.hypothesis.seed_radius),
+                 inverse = trial.hypothesis.seed_radius / (3.0 * radius);
+    trial.credit /= 1.0 + std::pow(ratio, 4) + std::pow(inverse, 4);
   }
 }
 

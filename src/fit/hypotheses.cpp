@@ -30,8 +30,14 @@ FitState state_from(const NormalModel& model, const Vec3& centre, const Mat3& sh
 
 std::vector<Stage> stages_of(const FitSettings& settings) {
   std::vector<Stage> stages = settings.stages.empty() ? default_stages(settings) : settings.stages;
+  for (const auto& [name, weight] : settings.energies) {
+    const bool used =
+        std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
+    for (Stage& stage : stages) {
+      if (!used || stage.energies.contains(name)) stage.energies[name] = weight;
+    }
+  }
   for (Stage& stage : stages) {
-    for (const auto& [name, weight] : settings.energies) stage.energies[name] = weight;
     if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
   }
   return stages;

@@ -1,11 +1,13 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/fit/stage.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/seed/components.h"
 
 namespace pellicle {
 
-Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule, StartSolid solid, int detail) {
+Surface surface_from_mask(const Image<std::uint8_t>& input, SubdivisionRule rule, StartSolid solid, int detail) {
+  const Image<std::uint8_t> mask = in_lps_order(input);
   const Components components = components_of(mask);
   if (components.parts.empty()) throw BadData("the seed mask is empty");
   Image<std::uint8_t> part(mask.grid);

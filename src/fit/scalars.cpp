@@ -51,7 +51,8 @@ std::vector<ScalarEnergy> scalar_energies(const ScalarInputs& in) {
     SurfaceSamples samples;
     evaluate(in.state.surface.model, in.state.surface.parameters, *layout, false, samples);
     const double correction = volume_with_normals(mesh_of(*layout, samples)) / in.volume;
-    const double w = in.settings.volume_weight;
+    const auto at = in.stage.energies.find("volume");
+    const double w = at == in.stage.energies.end() ? in.settings.volume_weight : at->second;
     energies.push_back({"volume", [=](const auto& x, const auto& area, auto& dx, auto&) {
                           return volume_prior(facet_volume(*layout, x), correction, target, w, area, dx);
                         }});

@@ -51,6 +51,10 @@ void FitSettings::validate() const {
           fmt::format("--smoothing must not be negative: {}", smoothing_mm.value_or(0)));
   require(!target_volume_ml || (*target_volume_ml > 0.0 && std::isfinite(*target_volume_ml)),
           fmt::format("--target-volume must be above 0: {}", target_volume_ml.value_or(0)));
+  const bool wants_volume =
+      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.energies.contains("volume"); });
+  require(target_volume_ml || (!wants_volume && !energies.contains("volume")),
+          "the energy 'volume' has no target (--energy volume): give --target-volume in ml");
   require(volume_weight >= 0.0 && std::isfinite(volume_weight),
           fmt::format("--volume-weight must not be negative: {}", volume_weight));
   require(!max_iterations || *max_iterations >= 0,

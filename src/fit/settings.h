@@ -42,7 +42,7 @@ struct FitSettings {
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::automatic;
   std::optional<double> smoothing_mm;      ///< overrides Stage::smoothing
-  std::map<std::string, double> energies;  ///< overrides or adds weights in every stage
+  std::map<std::string, double> energies;  ///< weights in the stages that use the energy; in all, when none does
   std::optional<double> target_volume_ml;
   double volume_weight = 1.0;
   std::optional<int> max_iterations;  ///< overrides Stage::max_steps

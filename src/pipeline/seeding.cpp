@@ -198,10 +198,10 @@ std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image
 
 }  // namespace
 
-std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const Image<float>& image) {
+std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image) {
   std::vector<ObjectSeed> objects;
   if (!settings.seed_spheres.empty() || settings.seeds_file) {
-    objects = seeds_from_spheres(settings, image.grid);
+    objects = seeds_from_spheres(settings, grid);
   } else if (settings.seed_mask) {
     objects = seeds_from_mask(settings);
   } else if (settings.seed_model) {

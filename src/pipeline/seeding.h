@@ -40,6 +40,6 @@ std::vector<SeedRow> read_seed_table(const std::filesystem::path& path);
 void check_seed_files(const SegmentSettings& settings);
 
 /// \throws NoInput, BadData (file contents), UsageError (a sphere outside the volume, labels given twice).
-std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const Image<float>& image);
+std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image);
 
 }  // namespace pellicle

@@ -1,4 +1,5 @@
 #include "pellicle/pipeline/segment.h"
+#include "pellicle/image/reorder.h"
 
 #include <fmt/format.h>
 
@@ -161,6 +162,7 @@ std::vector<fs::path> input_paths(const SegmentSettings& settings) {
 std::vector<PlannedFile> checked_plan(const SegmentSettings& settings, const std::vector<int>& labels) {
   auto plan = plan_outputs(settings, labels);
   std::vector<fs::path> paths;
+  paths.reserve(plan.size());
   for (const auto& file : plan) paths.push_back(file.path);
   check_outputs(paths, settings.overwrite, input_paths(settings));
   return plan;
@@ -217,6 +219,8 @@ Volume read_input(const SegmentSettings& settings, const RunContext& context, Se
   for (const auto& warning : result.warnings) {
     if (context.warn) context.warn(fmt::format("{}: {}", settings.input.string(), warning));
   }
+  // Fits see one storage order only; the outputs go on the header's grid, which is the file's own.
+  volume.image = in_lps_order(std::move(volume.image));
   return volume;
 }
 
@@ -279,8 +283,9 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   Volume volume = read_input(settings, context, result);
   clock.start("seed");
   tell(0.08, "seeding");
-  const auto seeds = make_seeds(settings, volume.image);
+  const auto seeds = make_seeds(settings, result.header.grid, volume.image);
   std::vector<int> labels;
+  labels.reserve(seeds.size());
   for (const auto& seed : seeds) labels.push_back(seed.label);
   const auto plan = checked_plan(settings, labels);
 
