@@ -49,8 +49,8 @@ double ridge_position(const Profiles& p, std::size_t row, double top, double ins
   return mass > 0.0 ? moment / mass : kNaN;
 }
 
-// Width of the mean edge: the spread function is the derivative of the mean profile, aligned at the measured edges. Its
-// variance less that of the trilinear interpolation of the voxels (1/6 h^2) and of the alignment.
+// Width of the mean edge: the spread function is the derivative of the mean profile, aligned at the measured edges.
+// It holds what trilinear interpolation adds too, which moves edges like any other blur.
 double blur_of(const Profiles& p, const EdgeMeasurement& m, double h) {
   constexpr int kBins = 33;
   const double reach = 4.0 * h, width = 2.0 * reach / kBins;
@@ -188,9 +188,9 @@ void downweight_outliers(double h, NormalTargets& targets) {
   for (std::size_t i = 0; i < targets.offset.size(); ++i) {
     if (targets.weight[i] > 0.0) used.push_back(targets.offset[i]);
   }
-  const double scale = 3.0 * (robust_deviation(used) + 0.05 * h);
+  const double middle = median_of(used), scale = 3.0 * (robust_deviation(used) + 0.05 * h);
   for (std::size_t i = 0; i < targets.offset.size(); ++i) {
-    const double ratio = targets.offset[i] / scale;
+    const double ratio = (targets.offset[i] - middle) / scale;
     targets.weight[i] /= 1.0 + ratio * ratio;
   }
 }

@@ -38,7 +38,7 @@ NormalTargets ridge_search(const Profiles& profiles, double sign, double reach, 
 /// Adds s^2 (k1+k2)/2 to the offsets; |k1+k2| is limited to a quarter per h.
 void add_curvature_correction(const std::vector<double>& curvature, double blur, double h, NormalTargets& targets);
 
-/// Multiplies the weights by 1/(1 + (t/(3 s))^2), s the robust spread of the offsets plus 0.05 h.
+/// Multiplies the weights by 1/(1 + ((t - m)/(3 s))^2), m the median of the offsets, s their robust spread plus 0.05 h.
 void downweight_outliers(double h, NormalTargets& targets);
 
 }  // namespace pellicle

@@ -31,7 +31,7 @@ InsideStatistics inside_of(const TrilinearField& image, const std::vector<Vec3>&
 
 Evidence evidence_of(const Image<float>& image, const Surface& surface, bool ridge, GeometryCache& geometry) {
   Evidence e;
-  const StageGeometry& coarse = geometry.get(surface.model, sampling_level(surface.model, 1e9, 1.0, true));
+  const StageGeometry& coarse = geometry.get(surface.model, sampling_level(surface.model, 1e9, 1.0, Density::fine));
   SurfaceSamples samples;
   evaluate(surface.model, surface.parameters, coarse.layout, false, samples);
   const std::vector<double> area = sample_areas(coarse.layout, samples.x);
@@ -40,13 +40,14 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
   const double resolution = std::max(1.0, std::sqrt(total / (4.0 * std::numbers::pi)) / (20.0 * h_in));
   const Reading plain;
   const double h = WorkingImage(image, plain, resolution, 0.0, 0.0).h();
-  WorkingImage working(image, plain, resolution, 0.7 * h, 6.0 * h);
+  WorkingImage working(image, plain, resolution, 0.7 * h, 9.0 * h);
   working.cover(samples.x);
   const Profiles profiles =
-      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 5.0 * h, 0.5 * h);
+      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 8.0 * h, 0.5 * h);
   const InsideStatistics inside = inside_of(TrilinearField(working.image()), samples.x, area);
   e.noise = noise_of(working.image(), {{0, 0, 0}, working.image().grid.size});
   std::vector<double> away, contrast;
+  std::size_t returning = 0;
   for (std::size_t i = 0; i < area.size(); ++i) {
     const double near = ridge ? 2.5 * h : 1.5 * h, far = ridge ? 5.0 * h : 4.0 * h;
     const double in = band_median(profiles, i, -far, -near), out = band_median(profiles, i, near, far);
@@ -61,6 +62,8 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
     } else {
       away.push_back(std::abs(out - inside.median) - std::abs(in - inside.median));
       contrast.push_back(std::abs(in - out));
+      const double beyond = band_median(profiles, i, 4.5 * h, 8.0 * h);
+      returning += std::abs(beyond - in) < 0.5 * std::abs(out - in) ? 1 : 0;
     }
   }
   if (away.empty()) return e;
@@ -68,10 +71,14 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
   std::size_t weak = 0;
   for (const double c : contrast) weak += c < 0.25 * e.contrast ? 1 : 0;
   e.weak_share = static_cast<double>(weak) / static_cast<double>(contrast.size());
-  const double spread = inside.deviation + 0.5 * e.noise;
+  e.returning_share = static_cast<double>(returning) / static_cast<double>(contrast.size());
+  // A fiftieth of the range stands in for noise where there is none.
+  std::vector<double> values(working.image().voxels.begin(), working.image().voxels.end());
+  const double range = quantile_of(values, 0.98) - quantile_of(values, 0.02);
+  const double spread = inside.deviation + 0.5 * e.noise + 0.02 * range;
   const double lower = quantile_of(away, 0.25);
-  e.score = lower / std::max(spread, 1e-6 * std::abs(lower) + 1e-300) * (1.0 - e.outside_share);
-  e.score = std::clamp(e.score, -1e3, 1e3);
+  e.score = spread > 0.0 ? lower / spread * (1.0 - e.outside_share) : 0.0;
+  e.score = std::isfinite(e.score) ? std::clamp(e.score, -1e3, 1e3) : -1e3;
   return e;
 }
 

@@ -73,12 +73,19 @@ FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
   return result;
 }
 
+bool looks_like_membrane(const FitSettings& settings, const Trial& trial) {
+  return settings.boundary == Boundary::automatic && !trial.state.reading.ridge && !trial.state.reading.tissue &&
+         trial.evidence.returning_share > 0.5;
+}
+
 void judge(const StageContext& context, Trial& trial) {
   trial.evidence = evidence_of(context.image, trial.state.surface, trial.state.reading.ridge, context.geometry);
   trial.volume = volume_with_normals(tessellate(trial.state.surface, 3));
+  trial.credit = trial.evidence.score;
+  // What lies behind the edge is like the object again: the near side of a membrane, unless a step was asked for.
+  if (looks_like_membrane(context.settings, trial) && trial.credit > 0.0) trial.credit *= 0.25;
   // A seed says where the object is and, roughly, how large. Half the credit at three times its radius or a third of
   // it.
-  trial.credit = trial.evidence.score;
   if (trial.hypothesis.seed_radius > 0.0 && trial.credit > 0.0) {
     const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
     const double ratio = radius / (3.0 * trial.hypothesis.seed_radius),
@@ -167,6 +174,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   }
   trial.state = best;
   trial.state.hold_out = false;
+  trial.state.all_samples = true;
   last.name = "all samples";
   trial.stages.push_back(run_stage(context, last, trial.state));
 }
@@ -179,7 +187,8 @@ bool better(const Trial& a, const Trial& b) {
 // Levels that were told, or evidence far beyond what any leak was ever seen to have: other readings need no look.
 bool is_decisive(const Trial& trial) {
   if (trial.state.status != FitStatus::ok) return false;
-  return trial.hypothesis.certain || (trial.evidence.score > 3.0 && trial.evidence.weak_share < 0.05);
+  return trial.hypothesis.certain || (trial.credit > 0.25 && trial.evidence.score > 3.0 &&
+                                      trial.evidence.weak_share < 0.05 && trial.evidence.returning_share < 0.5);
 }
 
 // How much better the best is than the best of those that found another volume (by more than a fifth).
@@ -243,7 +252,9 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
     }
   };
   for (std::size_t s = 0; s < seeds.size(); ++s) try_all(hypotheses_for(image, seeds[s], settings, prefix(s)));
-  for (std::size_t s = 0; s < seeds.size() && settings.similarity && settings.start_rule == StartRule::automatic; ++s) {
+  for (std::size_t s = 0; s < seeds.size() && settings.similarity && settings.start_rule == StartRule::automatic &&
+                          settings.boundary != Boundary::ridge;
+       ++s) {
     const auto* sphere = std::get_if<SeedSphere>(&seeds[s]);
     if (sphere != nullptr) try_all(similarity_hypotheses(image, *sphere, settings, prefix(s)));
   }

@@ -33,6 +33,8 @@ struct Evidence {
   double noise = 0.0;       ///< robust sd of the image about its local median
   double weak_share = 1.0;  ///< share of the area with less than a quarter of the median contrast
   double outside_share = 0.0;  ///< share of the area outside the image
+  double returning_share =
+      0.0;  ///< share of the samples behind whose edge, 4.5 to 8 h out, the image is like the inside again
 };
 
 struct StageSummary {

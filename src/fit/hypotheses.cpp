@@ -120,6 +120,17 @@ Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, co
   return hypothesis;
 }
 
+// How often a Platonic solid (4, 8 or 20 triangles) was split 1 -> 4 to have so many; other meshes count as not
+// refined.
+int refinements_of(std::size_t triangles) {
+  int refinements = 0;
+  while (triangles > 20 && triangles % 4 == 0) {
+    triangles /= 4;
+    ++refinements;
+  }
+  return triangles == 16 ? refinements + 1 : refinements;
+}
+
 // A surface that is already near tells its levels and its polarity itself.
 Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, const FitSettings& settings,
                               const std::string& prefix) {
@@ -127,8 +138,9 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
                         .stages = stages_of(settings),
                         .certain = true};
   FitState& state = hypothesis.start;
+  state.detail = refinements_of(control_mesh_of(seed).triangles.size());
   GeometryCache geometry;
-  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, true));
+  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
   SurfaceSamples samples;
   evaluate(seed.model, seed.parameters, g.layout, false, samples);
   state.start_volume = facet_volume(g.layout, samples.x);
@@ -173,7 +185,10 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
   const IndexBox box = box_around(image.grid, seed.center - reach, seed.center + reach, 0.0);
   const Image<float> smoothed = gaussian_smooth(crop_and_bin(image, box, {1, 1, 1}), 0.7 * h);
   const double level = core_statistics(smoothed, seed, 0.6).median;
-  const double noise = noise_of(image, box);
+  // Never finer than half a percent of the range: without noise any structure would be told from any other.
+  std::vector<double> values(smoothed.voxels.begin(), smoothed.voxels.end());
+  const double range_around = quantile_of(values, 0.98) - quantile_of(values, 0.02);
+  const double noise = std::max(noise_of(image, box), 0.005 * range_around);
   std::vector<Hypothesis> list;
   if (!(noise > 0.0)) return list;
   for (int j = 0; j <= 8; ++j) {

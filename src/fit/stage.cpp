@@ -18,7 +18,8 @@
 namespace pellicle {
 
 StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layout_of(model, level)), graph(layout) {
-  const SampleLayout coarser = layout_of(model, std::max(1, level - 1));
+  // About eight samples a control triangle are enough for smoothness.
+  const SampleLayout coarser = layout_of(model, std::max(1, layout.sample_count() > 4500 ? level - 2 : level - 1));
   bending = bending_rows(coarser);
   // A sample of the coarser level is the one of this level at the same place on the unit sphere.
   for (const Vec3& place : coarser.on_unit_sphere) {
@@ -39,9 +40,12 @@ const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
   return at->second;
 }
 
-int sampling_level(const SurfaceModel& model, double area, double h, bool generous) {
-  const double most = generous ? 4000.0 : std::max(500.0, 16.0 * control_point_count(model));
-  const double wanted = std::clamp(area / (3.5 * h * h), 500.0, most);
+int sampling_level(const SurfaceModel& model, double area, double h, Density density) {
+  const double most = density == Density::all    ? 9000.0
+                      : density == Density::fine ? 4000.0
+                                                 : std::max(500.0, 16.0 * control_point_count(model));
+  const double share = density == Density::all ? 1.2 : 3.5;
+  const double wanted = std::clamp(area / (share * h * h), 500.0, most);
   const double triangles = 2.0 * control_point_count(model) - 4.0;  // genus 0
   const double level = 0.5 * std::log2(2.0 * wanted / triangles);
   return std::clamp(static_cast<int>(std::lround(level)), 1, 6);
@@ -124,8 +128,10 @@ void StageRun::prepare() {
   if (weight_of(stage_, "crossing") > 0.0) reach_ = std::max(reach_, 12.0);
   state_.reach_mm = 0.0;
   image_.emplace(context_.image, state_.reading, resolution, smoothing, reach_ + 8.0 * h_);
-  geometry_ = &context_.geometry.get(state_.surface.model,
-                                     sampling_level(state_.surface.model, area, h_, weight_of(stage_, "edge") > 0.0));
+  const Density density = state_.all_samples                ? Density::all
+                          : weight_of(stage_, "edge") > 0.0 ? Density::fine
+                                                            : Density::coarse;
+  geometry_ = &context_.geometry.get(state_.surface.model, sampling_level(state_.surface.model, area, h_, density));
   if (weight_of(stage_, "bending") > 0.0) {
     operators_.push_back(
         grouped_operator("bending", weight_of(stage_, "bending"), geometry_->bending, geometry_->layout));

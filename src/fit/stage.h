@@ -15,7 +15,7 @@ namespace pellicle {
 struct StageGeometry {
   SampleLayout layout;
   SampleGraph graph;
-  std::vector<int> coarse;  ///< samples that the next coarser level has too: enough for what is smooth anyway
+  std::vector<int> coarse;  ///< samples that a coarser level has too: enough for what is smooth anyway
   VectorRows bending;       ///< over the coarse samples
   StageGeometry(const SurfaceModel& model, int level);
 };
@@ -40,6 +40,7 @@ struct FitState {
   FitStatus status = FitStatus::ok;
   std::string reason;
   double start_volume = 0.0;   ///< mm^3, of the seed
+  bool all_samples = false;    ///< the last stage: as many samples as there are voxels along the surface
   bool hold_out = false;       ///< leave every fourth sample out of the edge energy, and measure there
   double held_out_rms = -1.0;  ///< mm, of the samples left out, after the last edge stage that did so
 };
@@ -54,8 +55,11 @@ struct StageContext {
 /// Runs `stage` on `state`; sets state.status when the surface ran away, collapsed, folded or left the image.
 StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state);
 
-/// Level at which a surface has about one sample per 3.5 h^2; at least 500, at most 16 a control point, or 4000 when
-/// `generous`, for the last tenth of a voxel.
-int sampling_level(const SurfaceModel& model, double area, double h, bool generous);
+/// How densely a surface is sampled: enough for where the control points go; for what the edges say; every voxel's
+/// word.
+enum class Density { coarse, fine, all };
+/// Level at which a surface has about one sample per 3.5 h^2 (`all`: 1.2 h^2); at least 500, at most 16 a control point
+/// (`fine`: 4000, `all`: 9000).
+int sampling_level(const SurfaceModel& model, double area, double h, Density density);
 
 }  // namespace pellicle
