@@ -39,6 +39,7 @@ std::vector<Preset> list_presets() {
     }
   }
   std::vector<Preset> presets;
+  presets.reserve(by_name.size());
   for (auto& [name, preset] : by_name) presets.push_back(std::move(preset));
   return presets;
 }

@@ -165,6 +165,8 @@ SettingKey energy_key() {
   return key;
 }
 
+// A member pointer cannot reach into a nested struct, so a name stands for reading and writing it alike.
+// NOLINTNEXTLINE(bugprone-macro-parentheses): `member` is a name, not an expression.
 #define FIELD(member)    \
   [](auto& s) -> auto& { \
     return s.member;     \

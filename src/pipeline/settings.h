@@ -79,15 +79,15 @@ struct SettingKey {
 const std::vector<SettingKey>& segment_keys();
 
 /// Words of the enumerations, as typed: "bright", "ridge", ...
-std::string name_of(Coords coords);
-std::string name_of(Objects objects);
-std::string name_of(Polarity polarity);
-std::string name_of(Boundary boundary);
-std::string name_of(StartRule rule);
-std::string name_of(Solver solver);
-std::string name_of(SubdivisionRule rule);
-std::string name_of(StartSolid solid);
-std::string name_of(MeshFormat format);
+std::string name_of(Coords value);
+std::string name_of(Objects value);
+std::string name_of(Polarity value);
+std::string name_of(Boundary value);
+std::string name_of(StartRule value);
+std::string name_of(Solver value);
+std::string name_of(SubdivisionRule value);
+std::string name_of(StartSolid value);
+std::string name_of(MeshFormat value);
 
 /// The value that a word stands for. \throws UsageError listing the choices.
 template <class E>
