@@ -166,11 +166,12 @@ SettingKey energy_key() {
 }
 
 // A member pointer cannot reach into a nested struct, so a name stands for reading and writing it alike.
-// NOLINTNEXTLINE(bugprone-macro-parentheses): `member` is a name, not an expression.
+// NOLINTBEGIN(bugprone-macro-parentheses): `member` is a name, not an expression.
 #define FIELD(member)    \
   [](auto& s) -> auto& { \
     return s.member;     \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 void add_input_and_seed(std::vector<SettingKey>& keys) {
   keys.push_back(path_key(
