@@ -1,6 +1,6 @@
-#include <iostream>
 #include <pellicle/fit/fit.h>
 #include <pellicle/synthetic/phantom.h>
+#include <iostream>
 
 int main() {
   const pellicle::Phantom phantom = pellicle::make_phantom({.shape = "bean", .size = {64, 64, 64}, .radius = {16.0}});

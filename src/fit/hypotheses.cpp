@@ -163,7 +163,11 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
   state.reading.sign = state.reading.inside >= state.reading.outside ? 1.0 : -1.0;
   if (settings.polarity != Polarity::automatic) state.reading.sign = settings.polarity == Polarity::bright ? 1.0 : -1.0;
   state.levels = {state.reading.inside, state.reading.outside, {}, {}};
-  hypothesis.compare_after = hypothesis.stages.size();
+  // It is near already: the wide searches that find an object from a ball would only lead away from it.
+  if (settings.stages.empty()) {
+    std::erase_if(hypothesis.stages, [](const Stage& s) { return s.energies.contains("region"); });
+  }
+  hypothesis.compare_after = 0;
   return hypothesis;
 }
 

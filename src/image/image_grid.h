@@ -33,9 +33,9 @@ struct ImageGrid {
   Vec3 index_from_world(const Vec3& x_in_world) const {
     return (direction.transpose() * (x_in_world - origin_in_world)).cwiseQuotient(spacing);
   }
-  double voxel_volume() const { return spacing.prod(); }                   ///< mm^3
-  double mean_spacing() const { return std::cbrt(spacing.prod()); }        ///< h of the recipes, mm
-  Vec3 extent() const {                                                    ///< edge lengths of the whole volume, mm
+  double voxel_volume() const { return spacing.prod(); }             ///< mm^3
+  double mean_spacing() const { return std::cbrt(spacing.prod()); }  ///< h of the recipes, mm
+  Vec3 extent() const {                                              ///< edge lengths of the whole volume, mm
     return {spacing[0] * size[0], spacing[1] * size[1], spacing[2] * size[2]};
   }
   /// Inside the box of whole voxels (half a voxel beyond the outermost centres).

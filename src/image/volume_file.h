@@ -20,10 +20,10 @@ struct VolumeHeader {
   std::string format;          ///< "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "TIFF", "DICOM series", ...
   std::string component_type;  ///< as stored: "uint8", "int16", ..., "float64"
   ImageGrid grid;
-  std::string unit;                ///< of length as stored: "mm", "um", "m", "unknown"; the grid is always mm
-  bool spacing_known = true;       ///< false: the file has none and none was given, 1 mm was assumed (with a warning)
-  double slope = 1.0, intercept = 0.0;  ///< already applied to the voxels
-  std::vector<std::string> warnings;    ///< one sentence each, for the user
+  std::string unit;           ///< of length as stored: "mm", "um", "m", "unknown"; the grid is always mm
+  bool spacing_known = true;  ///< false: the file has none and none was given, 1 mm was assumed (with a warning)
+  double slope = 1.0, intercept = 0.0;      ///< already applied to the voxels
+  std::vector<std::string> warnings;        ///< one sentence each, for the user
   std::shared_ptr<const NiftiFrame> nifti;  ///< null unless the file was NIfTI
 };
 
