@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pellicle/pipeline/provenance.h"
@@ -85,6 +86,9 @@ json object_json(const ObjectResult& object) {
   out["volume_ml"] = {{"surface", number(object.volume_surface_ml)},
                       {"mask", object.volume_mask_ml},
                       {"partial_volume", number(object.volume_partial_ml)}};
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  out["volume_openvdb_ml"] = number(object.volume_openvdb_ml.value_or(none));
+  out["volume_mesh_ml"] = number(object.volume_mesh_ml.value_or(none));
   out["area_mm2"] = number(object.area_mm2);
   out["mesh"] = {{"level", object.mesh_level},
                  {"vertices", object.mesh.vertices.size()},

@@ -84,7 +84,10 @@ void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& ma
   const ImageGrid& grid = maps.labels.grid;
   const Box box = box_around(object.mesh, grid, 2);
   if (!box.empty()) {
-    const Image<std::uint8_t> mask = rasterize_mask(object.mesh, box.grid);
+    const MaskResult raster = rasterize_mask_checked(object.mesh, box.grid);
+    const Image<std::uint8_t>& mask = raster.mask;
+    if (raster.openvdb_volume_mm3) object.volume_openvdb_ml = *raster.openvdb_volume_mm3 / 1000.0;
+    object.volume_mesh_ml = raster.mesh_volume_mm3 / 1000.0;
     std::size_t count = 0;
     for_each_voxel(box, grid, [&](std::size_t outer, std::size_t inner, bool border) {
       if (mask.voxels[inner] == 0) return;

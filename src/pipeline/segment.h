@@ -2,6 +2,7 @@
 /// The main job: one volume from settings to files.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,10 @@ struct ObjectResult {
   std::size_t self_intersections = 0;
   double volume_surface_ml = 0.0;  ///< of the smooth surface
   double volume_mask_ml = 0.0;     ///< of the marked voxels
-  double volume_partial_ml = 0.0;  ///< of the partial-volume map, inside the image
+  std::optional<double> volume_openvdb_ml =
+      {};                                     ///< of OpenVDB's own mask, inside the image; none where it was not asked
+  std::optional<double> volume_mesh_ml = {};  ///< of the written mesh's facets, what lies outside the image included
+  double volume_partial_ml = 0.0;             ///< of the partial-volume map, inside the image
   double area_mm2 = 0.0;
   bool touches_border = false;     ///< marked voxels on the border of the volume
   std::size_t overlap_voxels = 0;  ///< voxels that an earlier label had taken already

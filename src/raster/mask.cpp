@@ -1,16 +1,24 @@
-// Winding numbers along the rows of the grid. A level set by OpenVDB's meshToVolume was tried first and measured: its
-// sign is wrong for some voxels within a few hundredths of a voxel of smooth facets (and up to 0.8 voxels away in tight
-// places), it fills cavities, and it takes some twenty times as long; tests/raster keeps it as a second opinion.
+// OpenVDB's level set, checked voxel by voxel against winding numbers along the rows of the grid. These are exact to
+// rounding; OpenVDB's signs are not: of a sphere, a torus and a blob in 64^3 voxels 13 to 23 voxels were wrong, all
+// within 0.04 voxels of the surface.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pellicle/base/parallel.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/raster/index_mesh.h"
+#include "pellicle/raster/level_set.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
 
 namespace {
+
+// By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs waver, or
+// half a per cent where that is more (coarse facets, whose edges mislead it).
+constexpr double kLayer = 0.02, kShare = 0.005;
+constexpr double kLeastNodes = 1e6;
 
 struct Crossing {
   int row;     ///< j
@@ -74,10 +82,7 @@ void fill_rows(const std::vector<Crossing>& crossings, std::uint8_t* slice, cons
   }
 }
 
-}  // namespace
-
-Image<std::uint8_t> rasterize_mask(const TriangleMesh& surface, const ImageGrid& grid) {
-  const IndexMesh mesh(surface, grid, 0.0, "cannot rasterise");
+Image<std::uint8_t> winding_mask(const IndexMesh& mesh, const ImageGrid& grid) {
   Image<std::uint8_t> mask(grid);
   parallel_for(static_cast<std::size_t>(grid.size[2]), 4, [&](std::size_t begin, std::size_t end) {
     std::vector<Crossing> crossings;
@@ -94,6 +99,31 @@ Image<std::uint8_t> rasterize_mask(const TriangleMesh& surface, const ImageGrid&
     }
   });
   return mask;
+}
+
+}  // namespace
+
+MaskResult rasterize_mask_checked(const TriangleMesh& surface, const ImageGrid& grid) {
+  const IndexMesh mesh(surface, grid, 0.0, "cannot rasterise");
+  const NodeMesh nodes{mesh.vertices, mesh.triangles};
+  MaskResult out;
+  out.mask = winding_mask(mesh, grid);
+  out.mesh_volume_mm3 = volume_of(surface);
+  const auto volume = [&](std::size_t count) { return static_cast<double>(count) * grid.voxel_volume(); };
+  out.exact_volume_mm3 =
+      volume(static_cast<std::size_t>(std::count(out.mask.voxels.begin(), out.mask.voxels.end(), std::uint8_t{1})));
+  // A surface of which most lies elsewhere would cost OpenVDB more than the image.
+  if (node_count_estimate(nodes, 1.5) > kLeastNodes + static_cast<double>(grid.voxel_count())) return out;
+  const LevelSet::Comparison c = LevelSet(nodes, 1.5, LevelSet::Wanted::signs).compare(out.mask);
+  out.openvdb_volume_mm3 = volume(c.inside);
+  out.corrected_voxels = c.differ;
+  const double limit = std::max(kLayer * area_of(nodes) * grid.voxel_volume(), kShare * out.exact_volume_mm3);
+  out.from_openvdb = std::abs(*out.openvdb_volume_mm3 - out.exact_volume_mm3) <= limit;
+  return out;
+}
+
+Image<std::uint8_t> rasterize_mask(const TriangleMesh& surface, const ImageGrid& grid) {
+  return winding_mask(IndexMesh(surface, grid, 0.0, "cannot rasterise"), grid);
 }
 
 }  // namespace pellicle
