@@ -22,8 +22,8 @@ std::vector<int> stencil_of(const SampleGraph& graph, int sample) {
   };
   add_neighbours(sample);
   if (graph.degree(sample) < 5) {
-    const std::vector<int> first = ring;
-    for (const int v : first) add_neighbours(v);
+    const std::size_t first_ring = ring.size();
+    for (std::size_t k = 0; k < first_ring; ++k) add_neighbours(ring[k]);
   }
   return ring;
 }

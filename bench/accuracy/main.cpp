@@ -54,7 +54,8 @@ int main(int argc, char** argv) try {
       {"sarcoma", sarcoma_table},
       {"orders", storage_order_table},
       {"speed", speed_table},
-      {"threads", thread_table}};
+      {"threads", thread_table},
+      {"solvers", [](const Options&) { solver_table(); }}};
   std::filesystem::create_directories(options.scratch);
   for (const auto& [name, run] : sections) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run(options);

@@ -186,7 +186,8 @@ bool better(const Trial& a, const Trial& b) {
 
 // Levels that were told, or evidence far beyond what any leak was ever seen to have: other readings need no look.
 bool is_decisive(const Trial& trial) {
-  if (trial.state.status != FitStatus::ok) return false;
+  // Of a ladder of ranges every rung is tried: too narrow a range has good evidence too where there is little noise.
+  if (trial.state.status != FitStatus::ok || trial.state.reading.similarity) return false;
   return trial.hypothesis.certain || (trial.credit > 0.25 && trial.evidence.score > 3.0 &&
                                       trial.evidence.weak_share < 0.05 && trial.evidence.returning_share < 0.5);
 }
@@ -251,10 +252,12 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
       if (better(trials.back(), trials[best])) best = trials.size() - 1;
     }
   };
-  for (std::size_t s = 0; s < seeds.size(); ++s) try_all(hypotheses_for(image, seeds[s], settings, prefix(s)));
-  for (std::size_t s = 0; s < seeds.size() && settings.similarity && settings.start_rule == StartRule::automatic &&
-                          settings.boundary != Boundary::ridge;
-       ++s) {
+  for (std::size_t s = 0; s < seeds.size() && !decided(); ++s) {
+    try_all(hypotheses_for(image, seeds[s], settings, prefix(s)));
+  }
+  const bool alike =
+      settings.similarity && settings.start_rule == StartRule::automatic && settings.boundary != Boundary::ridge;
+  for (std::size_t s = 0; s < seeds.size() && alike && !decided(); ++s) {
     const auto* sphere = std::get_if<SeedSphere>(&seeds[s]);
     if (sphere != nullptr) try_all(similarity_hypotheses(image, *sphere, settings, prefix(s)));
   }

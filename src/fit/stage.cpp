@@ -86,6 +86,7 @@ class StageRun {
   void prepare();
   std::vector<NamedRows> image_rows(const StepGeometry& g, int step);
   NamedRows region_rows(const StepGeometry& g, int step);
+  void reestimate_levels(const StepGeometry& g);
   NamedRows edge_rows(const StepGeometry& g, int step);
   NamedRows crossing_rows(const StepGeometry& g);
   bool healthy(const StepGeometry& g);
@@ -167,6 +168,14 @@ NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
   return {"region", offset_rows(g.samples.x, g.samples.normal, g.area, targets, weight_of(stage_, "region"))};
 }
 
+// The integral forms have no targets to take levels from: bands on both sides of the present surface tell them.
+void StageRun::reestimate_levels(const StepGeometry& g) {
+  const Profiles profiles =
+      sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, 6.5 * h_, 6.5 * h_, 0.5 * h_);
+  const NormalTargets here{std::vector<double>(g.area.size(), 0.0), std::vector<double>(g.area.size(), 1.0)};
+  update_levels(profiles, here, geometry_->graph, h_, false, first_contrast_, state_.levels);
+}
+
 NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
   const double extent = (state_.reading.ridge ? 8.25 : 4.25) * h_;
   edge_window_ = std::max(1.75, step == 0 ? 2.5 : 0.9 * edge_window_);
@@ -228,6 +237,7 @@ std::vector<NamedRows> StageRun::image_rows(const StepGeometry& g, int step) {
   std::vector<NamedRows> rows;
   const bool scalar_region = stage_.solver == Solver::gradient;
   if (weight_of(stage_, "region") > 0.0 && !scalar_region) rows.push_back(region_rows(g, step));
+  if (scalar_region && !state_.reading.ridge && !state_.reading.similarity) reestimate_levels(g);
   if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
   if (weight_of(stage_, "spacing") > 0.0) {
