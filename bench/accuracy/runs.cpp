@@ -1,6 +1,7 @@
 // Sections that run the program itself, as its users do.
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -56,6 +57,36 @@ std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+// Its own function, so that the memory is given back: a child's peak begins with what its parent holds.
+SeedDraw write_large_phantom(const std::filesystem::path& file) {
+  PhantomSettings s;
+  s.shape = "ellipsoid";
+  s.size = {256, 256, 256};
+  s.radius = {70.0};
+  s.inside = 1000.0;
+  s.outside = 200.0;
+  const Phantom phantom = make_phantom(s);
+  Image<std::int16_t> stored(phantom.image.grid);
+  for (std::size_t i = 0; i < stored.voxels.size(); ++i) {
+    stored.voxels[i] = static_cast<std::int16_t>(std::lround(phantom.image.voxels[i]));
+  }
+  VolumeHeader header;
+  header.grid = stored.grid;
+  write_volume(file, stored, header);
+  return phantom.seeds.front();
+}
+
+double read_and_write_seconds(const std::filesystem::path& file, const std::filesystem::path& mask_file,
+                              const std::filesystem::path& copy) {
+  const Image<std::int32_t> labels = read_labels(mask_file).labels;
+  const double begin = seconds_now();
+  const Volume volume = read_volume(file);
+  Image<std::uint8_t> mask(volume.image.grid);
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = labels.voxels[i] != 0 ? 1 : 0;
+  write_volume(copy, mask, volume.header);
+  return seconds_now() - begin;
+}
+
 }  // namespace
 
 void storage_order_table(const Options& options) {
@@ -89,36 +120,27 @@ void storage_order_table(const Options& options) {
 }
 
 void speed_table(const Options& options) {
-  PhantomSettings s;
-  s.shape = "ellipsoid";
-  s.size = {256, 256, 256};
-  s.radius = {70.0};
-  s.inside = 1000.0;
-  s.outside = 200.0;
-  const Phantom phantom = make_phantom(s);
-  Image<std::int16_t> stored(phantom.image.grid);
-  for (std::size_t i = 0; i < stored.voxels.size(); ++i)
-    stored.voxels[i] = static_cast<std::int16_t>(std::lround(phantom.image.voxels[i]));
-  VolumeHeader header;
-  header.grid = stored.grid;
   const std::filesystem::path file = options.scratch / "large.nii.gz", out = options.scratch / "large";
-  write_volume(file, stored, header);
-  const double begin = seconds_now();
-  const Volume volume = read_volume(file);
-  Image<std::uint8_t> mask(volume.image.grid);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = phantom.truth.voxels[i];
-  write_volume(options.scratch / "copy.nii.gz", mask, volume.header);
-  const double io = seconds_now() - begin;
-  const SeedDraw seed = phantom.seeds.front();
-  const Run run = run_program({"segment", "-i", file.string(), "-o", out.string(), "--seed-sphere",
-                               fmt::format("{},{},{},{}", seed.center[0], seed.center[1], seed.center[2], seed.radius),
-                               "--overwrite", "-q"});
-  const double as_float = 4.0 * static_cast<double>(stored.voxels.size()) / (1024.0 * 1024.0);
+  const SeedDraw seed = write_large_phantom(file);
+  malloc_trim(0);
+  const std::string ball = fmt::format("{},{},{},{}", seed.center[0], seed.center[1], seed.center[2], seed.radius);
+  Run best;
+  for (int round = 0; round < 3; ++round) {
+    const Run run =
+        run_program({"segment", "-i", file.string(), "-o", out.string(), "--seed-sphere", ball, "--overwrite", "-q"});
+    if (round == 0 || run.seconds < best.seconds) best = run;
+  }
+  double io = 1e300;
+  for (int round = 0; round < 3; ++round) {
+    io = std::min(io, read_and_write_seconds(file, out / "large_mask.nii.gz", options.scratch / "copy.nii.gz"));
+  }
+  const double as_float = 4.0 * 256.0 * 256.0 * 256.0 / (1024.0 * 1024.0);
+  fmt::print("\n## 256^3 int16, object of radius 70 voxels (best of three)\n\n");
   fmt::print(
-      "\n## 256^3 int16, object of radius 70 voxels\n\n| read + write mask (s) | whole run (s) | ratio | peak memory / "
-      "volume as float32 | exit |\n|---|---|---|---|---|\n");
-  fmt::print("| {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", io, run.seconds, run.seconds / io,
-             run.peak_megabytes / as_float, run.exit_code);
+      "| read + write mask (s) | whole run (s) | ratio | peak memory / volume as float32 | exit "
+      "|\n|---|---|---|---|---|\n");
+  fmt::print("| {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", io, best.seconds, best.seconds / io,
+             best.peak_megabytes / as_float, best.exit_code);
 }
 
 void thread_table(const Options& options) {

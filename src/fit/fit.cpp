@@ -135,7 +135,12 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   FitState best = trial.state;
   const Stage* best_stage = nullptr;
   constexpr double kGain = 0.99;  // less than one per cent better is not better
+  constexpr double kNoise = 0.05;  // of neighbouring residuals
   for (std::size_t s = first_new; s < stages.size() && trial.state.status == FitStatus::ok; ++s) {
+    if (best_stage != nullptr && best.residual_correlation < kNoise) {
+      trial.stages.back().reason += "; what is left is noise";
+      break;
+    }
     trial.state.hold_out = true;
     trial.stages.push_back(run_stage(context, stages[s], trial.state));
     if (!measures_edges(stages[s])) continue;

@@ -198,8 +198,21 @@ NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
   return {"edge", offset_rows(g.samples.x, g.samples.normal, g.area, m.targets, weight_of(stage_, "edge"))};
 }
 
-// Root mean square of the offsets over the samples that take part and, when asked for, over those that do not.
+// Root mean square of the offsets over the samples that take part and, when asked for, over those that do not; and how
+// alike neighbours are (Moran 1950).
 void StageRun::hold_out_samples(const StepGeometry& g, NormalTargets& targets) {
+  double products = 0.0, pairs = 0.0, own = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < g.area.size(); ++i) {
+    const double here = targets.weight[i] > 0.0 ? targets.offset[i] : 0.0;
+    own += here * here;
+    count += 1.0;
+    for (int k = geometry_->graph.start[i]; k < geometry_->graph.start[i + 1]; ++k) {
+      const auto j = static_cast<std::size_t>(geometry_->graph.neighbour[static_cast<std::size_t>(k)]);
+      products += here * (targets.weight[j] > 0.0 ? targets.offset[j] : 0.0);
+      pairs += 1.0;
+    }
+  }
+  state_.residual_correlation = own > 0.0 ? products / pairs / (own / count) : 1.0;
   double squares[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < g.area.size(); ++i) {
     const bool out = state_.hold_out && RandomEngine(i).next() % 4 == 0;

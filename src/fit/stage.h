@@ -39,10 +39,11 @@ struct FitState {
   double blur_mm = 0.0;   ///< of the image along the surface, once measured
   FitStatus status = FitStatus::ok;
   std::string reason;
-  double start_volume = 0.0;   ///< mm^3, of the seed
-  bool all_samples = false;    ///< the last stage: as many samples as there are voxels along the surface
-  bool hold_out = false;       ///< leave every fourth sample out of the edge energy, and measure there
-  double held_out_rms = -1.0;  ///< mm, of the samples left out, after the last edge stage that did so
+  double start_volume = 0.0;          ///< mm^3, of the seed
+  bool all_samples = false;           ///< the last stage: as many samples as there are voxels along the surface
+  bool hold_out = false;              ///< leave every fourth sample out of the edge energy, and measure there
+  double residual_correlation = 1.0;  ///< of the edge offsets of neighbouring samples: near 0 when only noise is left
+  double held_out_rms = -1.0;         ///< mm, of the samples left out, after the last edge stage that did so
 };
 
 /// Values that hold for all stages of a fit.
