@@ -134,7 +134,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   const std::size_t first_new = trial.hypothesis.compare_after;
   FitState best = trial.state;
   const Stage* best_stage = nullptr;
-  constexpr double kGain = 0.99;  // less than one per cent better is not better
+  constexpr double kGain = 0.99;   // less than one per cent better is not better
   constexpr double kNoise = 0.05;  // of neighbouring residuals
   for (std::size_t s = first_new; s < stages.size() && trial.state.status == FitStatus::ok; ++s) {
     if (best_stage != nullptr && best.residual_correlation < kNoise) {

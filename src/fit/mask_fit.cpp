@@ -31,7 +31,7 @@ Surface surface_from_mask(const Image<std::uint8_t>& input, SubdivisionRule rule
     state.reach_mm = d <= 1 ? 0.6 * radius : 0.2 * radius;
     const Stage stage{.name = "mask",
                       .detail = d,
-                      .energies = {{"region", 1.0}, {"bending", 1e-5}, {"spacing", 0.3}},
+                      .energies = {{"region", 1.0}, {"bending", 5e-6}, {"spacing", 0.3}},
                       .resolution = 0.0,
                       .smoothing = 0.7,
                       .reach = 5.0,

@@ -84,7 +84,7 @@ const std::vector<EnergyDescription>& energy_descriptions() {
 std::vector<Stage> default_stages(const FitSettings& settings) {
   std::vector<Stage> stages;
   if (settings.start_rule == StartRule::head) {
-    const double bending[] = {2e-3, 2e-4, 1e-5};
+    const double bending[] = {2e-3, 2e-4, 5e-6};
     const int steps[] = {60, 40, 30};
     for (int d = 1; d <= 3; ++d) {
       stages.push_back({.name = fmt::format("crossing {}", d),

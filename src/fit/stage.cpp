@@ -19,7 +19,7 @@ namespace pellicle {
 
 StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layout_of(model, level)), graph(layout) {
   // About eight samples a control triangle are enough for smoothness.
-  const SampleLayout coarser = layout_of(model, std::max(1, layout.sample_count() > 4500 ? level - 2 : level - 1));
+  const SampleLayout coarser = layout_of(model, std::min(level, 2));
   bending = bending_rows(coarser);
   // A sample of the coarser level is the one of this level at the same place on the unit sphere.
   for (const Vec3& place : coarser.on_unit_sphere) {
