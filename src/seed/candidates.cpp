@@ -45,7 +45,8 @@ std::vector<SeedSphere> find_candidates(const Image<float>& image) {
   const double longest = image.grid.extent().maxCoeff();
   const IndexBox whole{{0, 0, 0}, image.grid.size};
   Image<float> coarse = crop_and_bin(image, whole, bin_factors(image.grid, longest / 64.0));
-  coarse = gaussian_smooth(std::move(coarse), coarse.grid.mean_spacing());
+  const double h = coarse.grid.mean_spacing();
+  coarse = gaussian_smooth(std::move(coarse), h);
   const double threshold = otsu_threshold(coarse.voxels);
   std::vector<SeedSphere> seeds;
   const auto total = static_cast<double>(coarse.voxels.size());
