@@ -36,11 +36,10 @@ MaskResult rasterize_mask_checked(const TriangleMesh& surface, const ImageGrid& 
 Image<std::uint8_t> rasterize_mask(const TriangleMesh& surface, const ImageGrid& grid);
 
 /// Signed distance in mm at every voxel centre, negative inside (the sign of rasterize_mask), clamped to +-band_mm.
-/// Within two nodes of the surface it is OpenVDB's, trilinear between the nodes of an isotropic lattice along the axes
-/// of the grid: on isotropic grids the nodes are the voxel centres; elsewhere the error is below 0.05 of the smallest
-/// spacing rms. Where its sign is not the mask's the distance is 0.001 nodes. Farther out, and where OpenVDB's mask was
-/// refused, it is that to the nearest point of the mesh, exact. \throws BadData as above, UsageError unless band_mm is
-/// positive.
+/// On isotropic grids it is OpenVDB's within one voxel of the surface, where its nodes, the voxel centres, hold the
+/// distance to the nearest facet. Everywhere else (OpenVDB's second nearest facet, other grids, masks of OpenVDB that
+/// were refused) it is the distance to the nearest point of the mesh by exact search. \throws BadData as above,
+/// UsageError unless band_mm is positive.
 Image<float> rasterize_signed_distance(const TriangleMesh& surface, const ImageGrid& grid, double band_mm);
 
 /// Fraction of each voxel that is inside, 0..1: facets are cut at the voxel faces and summed by the divergence theorem,

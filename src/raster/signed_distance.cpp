@@ -18,7 +18,7 @@ namespace pellicle {
 namespace {
 
 constexpr int kBlock = 8;
-constexpr double kReliable = 2.0;  // nodes
+constexpr double kReliable = 1.0;  // nodes: farther out OpenVDB's nearest facet is not always the nearest
 constexpr double kLeastNodes = 1e6;
 
 struct Block {
@@ -113,7 +113,10 @@ Image<float> rasterize_signed_distance(const TriangleMesh& surface, const ImageG
   const Image<std::uint8_t>& mask = checked.mask;
   Image<float> out(grid, static_cast<float>(band_mm));
   double near = 0.0;
-  if (checked.from_openvdb) {  // else its signs, and with them what lies between nodes, cannot be trusted
+  // Where voxel centres are OpenVDB's nodes its distances are exact next to the surface; between nodes they are not.
+  // And where its mask was refused, its signs cannot be trusted.
+  const bool isotropic = (grid.spacing.array() - grid.spacing[0]).abs().maxCoeff() < 1e-9 * grid.spacing[0];
+  if (checked.from_openvdb && isotropic) {
     const NodeFrame frame(surface, grid);
     const double reliable = std::min(band_mm, kReliable * frame.step);
     const double nodes = node_count_estimate({frame.vertices, surface.triangles}, reliable / frame.step + 2.0);
