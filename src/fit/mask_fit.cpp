@@ -6,12 +6,12 @@
 
 namespace pellicle {
 
-Surface surface_from_mask(const Image<std::uint8_t>& input, SubdivisionRule rule, StartSolid solid, int detail) {
-  const Image<std::uint8_t> mask = in_lps_order(input);
-  const Components components = components_of(mask);
+Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule, StartSolid solid, int detail) {
+  const Image<std::uint8_t> ordered = in_lps_order(mask);
+  const Components components = components_of(ordered);
   if (components.parts.empty()) throw BadData("the seed mask is empty");
-  Image<std::uint8_t> part(mask.grid);
-  Image<float> image(mask.grid);
+  Image<std::uint8_t> part(ordered.grid);
+  Image<float> image(ordered.grid);
   for (std::size_t i = 0; i < part.voxels.size(); ++i) {
     part.voxels[i] = components.labels.voxels[i] == 1 ? 1 : 0;
     image.voxels[i] = part.voxels[i];
