@@ -10,6 +10,8 @@ if(PELLICLE_SANITIZE)
   target_compile_options(pellicle_warnings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
                          -fno-omit-frame-pointer -g1)
   target_link_options(pellicle_warnings INTERFACE -fsanitize=address,undefined)
+  # Eigen would take another allocator here than in the libraries (Ceres) that were built without the sanitizer.
+  target_compile_definitions(pellicle_warnings INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
 set(PELLICLE_INCLUDE_LINKS ${CMAKE_BINARY_DIR}/include CACHE INTERNAL "")

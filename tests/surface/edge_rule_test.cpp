@@ -156,7 +156,8 @@ TEST(EdgeRule, AgreesWithTheIndependentImplementation) {
 
 TEST(EdgeRule, HandleFactorAndItsSlopeAgreeWithGolden) {
   using Jet1 = ceres::Jet<double, 1>;
-  for (const auto& row : shapes::golden().at("G")) {
+  const auto golden = shapes::golden();
+  for (const auto& row : golden.at("G")) {
     const Jet1 G = edge_detail::handle_factor<EdgeRule::convex, Jet1>(Jet1(row.at(0).get<double>(), 0));
     EXPECT_LE(std::abs(G.a - row.at(1).get<double>()), 1e-12 * std::abs(G.a));
     EXPECT_LE(std::abs(G.v[0] - row.at(2).get<double>()), 1e-11 * std::abs(G.v[0]));
