@@ -23,14 +23,15 @@ ScalarRows spacing_rows(const SampleLayout& layout, const std::vector<Vec3>& x, 
       rows.close(root * t.dot(x[i]));
     }
   }
-  if (layout.on_unit_sphere.empty()) return rows;
+  if (layout.reference.empty()) return rows;
   constexpr double kLeastShare = 0.25;
   const double r2 = total / (4.0 * std::numbers::pi);
+  const double scale = total / sum(sample_areas(layout, layout.reference));  // of areas on the reference shape
   const double root = std::sqrt(2.0 * energy_weight * r2 / static_cast<double>(layout.triangles.size()));
   for (const auto& t : layout.triangles) {
     const auto corner = [&](std::size_t c) { return static_cast<std::size_t>(t[c]); };
-    const auto& on = layout.on_unit_sphere;
-    const double reference = 0.5 * r2 * (on[corner(1)] - on[corner(0)]).cross(on[corner(2)] - on[corner(0)]).norm();
+    const auto& on = layout.reference;
+    const double reference = 0.5 * scale * (on[corner(1)] - on[corner(0)]).cross(on[corner(2)] - on[corner(0)]).norm();
     const Vec3 u = x[corner(1)] - x[corner(0)], v = x[corner(2)] - x[corner(0)];
     const Vec3 mean = (normal[corner(0)] + normal[corner(1)] + normal[corner(2)]).normalized();
     const double share = 0.5 * u.cross(v).dot(mean) / reference;

@@ -10,7 +10,7 @@ VectorRows tension_rows(const SampleLayout& layout) {
   VectorRows rows;
   for (const auto& t : layout.triangles) {
     std::array<Vec3, 3> corner;
-    for (std::size_t c = 0; c < 3; ++c) corner[c] = layout.on_unit_sphere[static_cast<std::size_t>(t[c])];
+    for (std::size_t c = 0; c < 3; ++c) corner[c] = layout.reference[static_cast<std::size_t>(t[c])];
     const Vec3 along = (corner[1] - corner[0]).normalized();
     const Vec3 twice_area = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
     const Vec3 normal = twice_area.normalized();

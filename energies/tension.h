@@ -7,7 +7,8 @@
 
 namespace pellicle {
 
-/// Two vector rows a facet of the unit sphere (linear finite elements): second order in the facet size for any angles.
+/// Two vector rows a facet of the reference shape (linear finite elements): second order in the facet size for any
+/// angles.
 VectorRows tension_rows(const SampleLayout& layout);
 
 }  // namespace pellicle

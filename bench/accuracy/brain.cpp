@@ -46,8 +46,7 @@ void brain_table(const Options& options) {
                time);
   };
   row("fitted to the image", fit.surface, fmt::format("{:.2f}", seconds));
-  row("ceiling: the same surface fitted to BET's mask",
-      surface_from_mask(bet, SubdivisionRule::smooth, StartSolid::tetrahedron, 3), "");
+  row("ceiling: the same surface fitted to BET's mask", surface_from_mask(bet, {}, 3), "");
 }
 
 }  // namespace pellicle::bench

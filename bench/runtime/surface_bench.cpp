@@ -16,7 +16,7 @@ using namespace pellicle;
 struct Case {
   explicit Case(const benchmark::State& state, SubdivisionRule rule = SubdivisionRule::smooth)
       : model(NormalModel::start(StartSolid::icosahedron, rule)),
-        parameters(model.on_unit_sphere()),
+        parameters(model.reference()),
         layout(model.layout(static_cast<int>(state.range(0)))) {
     RandomEngine random(1);
     for (double& x : parameters) x += random.uniform(-0.2, 0.2);

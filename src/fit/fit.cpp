@@ -64,9 +64,9 @@ void run_stages(const StageContext& context, std::size_t from, std::size_t to, T
 // No reading found an edge: the seed itself is handed back, with its status.
 FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
   const auto* sphere = std::get_if<SeedSphere>(&seed);
-  const NormalModel model = NormalModel::start(settings.start_solid, settings.rule);
+  const SurfaceModel model = start_model(settings.model);
   FitResult result{sphere != nullptr
-                       ? Surface{model, affine_sphere(model, sphere->center, sphere->radius * Mat3::Identity())}
+                       ? Surface{model, affine_image(model, sphere->center, sphere->radius * Mat3::Identity())}
                        : std::get<Surface>(seed),
                    {}};
   result.summary.reason = "no edge in a quarter of the directions around the seed";

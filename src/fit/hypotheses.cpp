@@ -14,12 +14,8 @@ namespace pellicle {
 
 namespace {
 
-NormalModel start_model(const FitSettings& settings) {
-  return NormalModel::start(settings.start_solid, settings.rule);
-}
-
-FitState state_from(const NormalModel& model, const Vec3& centre, const Mat3& shape) {
-  FitState state{.surface = {model, affine_sphere(model, centre, shape)},
+FitState state_from(const SurfaceModel& model, const Vec3& centre, const Mat3& shape) {
+  FitState state{.surface = {model, affine_image(model, centre, shape)},
                  .reading = {},
                  .levels = {},
                  .status = FitStatus::ok,
@@ -85,7 +81,7 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
   std::vector<Hypothesis> list;
   double h = 1.0;
   const Image<float> smoothed = ray_image(image, seed, h);
-  const NormalModel model = start_model(settings);
+  const SurfaceModel model = start_model(settings.model);
   std::vector<RayReading> readings = read_rays(smoothed, seed, h);
   std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
   for (const RayReading& rays : readings) {
@@ -109,7 +105,7 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
 Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
                            const std::string& prefix) {
   const HeadReading head = read_head(image);
-  Hypothesis hypothesis{.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity()),
+  Hypothesis hypothesis{.start = state_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity()),
                         .stages = stages_of(settings),
                         .certain = true};
   hypothesis.start.reading.name = prefix + "head";
@@ -120,11 +116,10 @@ Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, co
   return hypothesis;
 }
 
-// How often a Platonic solid (4, 8 or 20 triangles) was split 1 -> 4 to have so many; other meshes count as not
-// refined.
-int refinements_of(std::size_t triangles) {
+// How often a solid of at most 20 triangles would be split 1 -> 4 to have so many.
+int refinements_of(int triangles) {
   int refinements = 0;
-  while (triangles > 20 && triangles % 4 == 0) {
+  while (triangles > 20) {
     triangles /= 4;
     ++refinements;
   }
@@ -138,7 +133,7 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
                         .stages = stages_of(settings),
                         .certain = true};
   FitState& state = hypothesis.start;
-  state.detail = refinements_of(control_mesh_of(seed).triangles.size());
+  state.detail = refinements_of(base_facets(seed.model));
   GeometryCache geometry;
   const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
   SurfaceSamples samples;
@@ -197,7 +192,7 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
   if (!(noise > 0.0)) return list;
   for (int j = 0; j <= 8; ++j) {
     const double range = 1.5 * noise * std::pow(2.0, 0.5 * j);
-    Hypothesis hypothesis{.start = state_from(start_model(settings), seed.center, seed.radius * Mat3::Identity()),
+    Hypothesis hypothesis{.start = state_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity()),
                           .stages = {}};
     hypothesis.start.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
                                 1.0,

@@ -6,7 +6,7 @@
 
 namespace pellicle {
 
-Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule, StartSolid solid, int detail) {
+Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail) {
   const Image<std::uint8_t> ordered = in_lps_order(mask);
   const Components components = components_of(ordered);
   if (components.parts.empty()) throw BadData("the seed mask is empty");
@@ -17,9 +17,9 @@ Surface surface_from_mask(const Image<std::uint8_t>& mask, SubdivisionRule rule,
     image.voxels[i] = part.voxels[i];
   }
   const Moments moments = moments_of(part);
-  const NormalModel model = NormalModel::start(solid, rule);
+  const SurfaceModel model = start_model(choice);
   FitState state{
-      .surface = {model, affine_sphere(model, moments.centroid, moments.shape)},
+      .surface = {model, affine_image(model, moments.centroid, moments.shape)},
       .reading = {.name = "mask", .sign = 1.0, .inside = 1.0, .outside = 0.0, .similarity = {}, .tissue = {}},
       .levels = {1.0, 0.0, {}, {}},
       .reason = {}};

@@ -35,8 +35,7 @@ struct Stage {
 };
 
 struct FitSettings {
-  SubdivisionRule rule = SubdivisionRule::smooth;
-  StartSolid start_solid = StartSolid::tetrahedron;
+  ModelChoice model;
   StartRule start_rule = StartRule::automatic;
   std::optional<int> detail;  ///< at most so many refinements; default: the fit decides by evidence
   Polarity polarity = Polarity::automatic;

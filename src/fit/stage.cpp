@@ -20,21 +20,29 @@ namespace pellicle {
 StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layout_of(model, level)), graph(layout) {
   // About eight samples a control triangle are enough for smoothness.
   const SampleLayout coarser = layout_of(model, std::min(level, 2));
-  bending = bending_rows(coarser);
-  // A sample of the coarser level is the one of this level at the same place on the unit sphere.
-  for (const Vec3& place : coarser.on_unit_sphere) {
+  // A sample of the coarser level is the one of this level at the same place on the reference shape.
+  double apart = 0.0, size = 0.0;
+  for (const Vec3& place : coarser.reference) {
     std::size_t nearest = 0;
-    for (std::size_t i = 1; i < layout.on_unit_sphere.size(); ++i) {
-      const double d = (layout.on_unit_sphere[i] - place).squaredNorm();
-      if (d < (layout.on_unit_sphere[nearest] - place).squaredNorm()) nearest = i;
+    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
+      const double d = (layout.reference[i] - place).squaredNorm();
+      if (d < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
     }
+    apart = std::max(apart, (layout.reference[nearest] - place).norm());
+    size = std::max(size, place.norm());
     coarse.push_back(static_cast<int>(nearest));
   }
+  if (apart > 1e-9 * size) {  // a model whose levels do not share their samples
+    bending = bending_rows(layout);
+    coarse.clear();
+    return;
+  }
+  bending = bending_rows(coarser);
   for (int& s : bending.sample) s = coarse[static_cast<std::size_t>(s)];
 }
 
 const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
-  const std::pair key{control_point_count(model), level};
+  const std::tuple key{control_point_count(model), base_facets(model), level};
   auto at = cache_.find(key);
   if (at == cache_.end()) at = cache_.emplace(key, StageGeometry(model, level)).first;
   return at->second;
@@ -46,8 +54,7 @@ int sampling_level(const SurfaceModel& model, double area, double h, Density den
                                                  : std::max(500.0, 16.0 * control_point_count(model));
   const double share = density == Density::all ? 1.2 : 3.5;
   const double wanted = std::clamp(area / (share * h * h), 500.0, most);
-  const double triangles = 2.0 * control_point_count(model) - 4.0;  // genus 0
-  const double level = 0.5 * std::log2(2.0 * wanted / triangles);
+  const double level = 0.5 * std::log2(2.0 * wanted / base_facets(model));
   return std::clamp(static_cast<int>(std::lround(level)), 1, 6);
 }
 

@@ -2,7 +2,7 @@
 /// Running one stage of a fit.
 
 #include <map>
-#include <utility>
+#include <tuple>
 
 #include "pellicle/energies/geometry.h"
 #include "pellicle/fit/fit.h"
@@ -15,18 +15,19 @@ namespace pellicle {
 struct StageGeometry {
   SampleLayout layout;
   SampleGraph graph;
-  std::vector<int> coarse;  ///< samples that a coarser level has too: enough for what is smooth anyway
-  VectorRows bending;       ///< over the coarse samples
+  /// Samples that a coarser level has too: enough for what is smooth anyway; empty (all) when levels share none.
+  std::vector<int> coarse;
+  VectorRows bending;  ///< over the coarse samples
   StageGeometry(const SurfaceModel& model, int level);
 };
 
-/// Geometries by number of control points and level.
+/// Geometries by number of control points, of control facets, and level. One model kind a cache.
 class GeometryCache {
  public:
   const StageGeometry& get(const SurfaceModel& model, int level);
 
  private:
-  std::map<std::pair<int, int>, StageGeometry> cache_;
+  std::map<std::tuple<int, int, int>, StageGeometry> cache_;
 };
 
 /// What one stage hands to the next.

@@ -177,7 +177,7 @@ std::vector<ObjectSeed> seeds_from_mask(const SegmentSettings& settings) {
     Image<std::uint8_t> mask(volume.labels.grid);
     std::transform(volume.labels.voxels.begin(), volume.labels.voxels.end(), mask.voxels.begin(),
                    [label](std::int32_t v) { return static_cast<std::uint8_t>(v == label ? 1 : 0); });
-    objects.push_back({label, "", {surface_from_mask(mask, settings.fit.rule, settings.fit.start_solid, detail)}});
+    objects.push_back({label, "", {surface_from_mask(mask, settings.fit.model, detail)}});
   }
   return objects;
 }

@@ -28,12 +28,12 @@ namespace fs = std::filesystem;
 namespace {
 
 // More facets than this add nothing: on a ball of radius R the chords of 100,000 miss the surface by 4e-5 R.
-constexpr std::size_t facet_limit = 120000;
+constexpr int facet_limit = 120000;
 
 int mesh_level(const SegmentSettings& settings, const Surface& surface, const ImageGrid& grid) {
   if (settings.mesh_density) return *settings.mesh_density;
   int level = tessellation_level(surface, 0.5 * grid.mean_spacing());
-  const std::size_t control_facets = control_mesh_of(surface).triangles.size();
+  const int control_facets = base_facets(surface.model);
   while (level > 2 && (control_facets << (2 * level)) > facet_limit) --level;
   return std::max(2, level);
 }

@@ -65,6 +65,11 @@ const Names<StartSolid>& names() {
   return all;
 }
 template <>
+const Names<ModelKind>& names() {
+  static const Names<ModelKind> all{{ModelKind::normal, "normal"}};
+  return all;
+}
+template <>
 const Names<MeshFormat>& names() {
   static const Names<MeshFormat> all{{MeshFormat::ply, "ply"},
                                      {MeshFormat::stl, "stl"},
@@ -108,6 +113,9 @@ std::string name_of(SubdivisionRule value) {
 std::string name_of(StartSolid value) {
   return find_name(value);
 }
+std::string name_of(ModelKind value) {
+  return find_name(value);
+}
 std::string name_of(MeshFormat value) {
   return find_name(value);
 }
@@ -129,6 +137,7 @@ template StartRule value_of(const std::string&, const std::string&);
 template Solver value_of(const std::string&, const std::string&);
 template SubdivisionRule value_of(const std::string&, const std::string&);
 template StartSolid value_of(const std::string&, const std::string&);
+template ModelKind value_of(const std::string&, const std::string&);
 template MeshFormat value_of(const std::string&, const std::string&);
 
 double number_of(const std::string& word, const std::string& where) {

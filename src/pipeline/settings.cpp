@@ -41,9 +41,6 @@ void validate_seeds(const SegmentSettings& s) {
 }
 
 void validate_later_features(const SegmentSettings& s) {
-  if (s.model != "normal") {
-    refuse("model", s.model, "this version has the model 'normal' only; leave the flag out");
-  }
   if (s.points) refuse("points", s.points->string(), "expert points are not available yet; leave the flag out");
 }
 

@@ -28,9 +28,8 @@ struct SegmentSettings {
   bool seed_auto = false;  ///< also what happens when no seed is given
   Objects objects = Objects::one;
   Coords coords = Coords::lps;
-  std::optional<Vec3> spacing;  ///< mm, instead of the file's
-  std::string preset;           ///< as named by the user; its values are already in the rest
-  std::string model = "normal";
+  std::optional<Vec3> spacing;                  ///< mm, instead of the file's
+  std::string preset;                           ///< as named by the user; its values are already in the rest
   std::optional<std::filesystem::path> points;  ///< expert points
   FitSettings fit;
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
@@ -87,6 +86,7 @@ std::string name_of(StartRule value);
 std::string name_of(Solver value);
 std::string name_of(SubdivisionRule value);
 std::string name_of(StartSolid value);
+std::string name_of(ModelKind value);
 std::string name_of(MeshFormat value);
 
 /// The value that a word stands for. \throws UsageError listing the choices.

@@ -34,10 +34,10 @@ Box box_around(const TriangleMesh& mesh, const ImageGrid& grid, int margin) {
 }
 
 Image<float> signed_distance(const Surface& surface, const TriangleMesh& mesh, const ImageGrid& grid) {
-  constexpr std::size_t far_facets = 2500;
+  constexpr int far_facets = 2500;
   const double band = 10.0 * grid.mean_spacing();
   Image<float> near = rasterize_signed_distance(mesh, grid, band);
-  const std::size_t control_facets = control_mesh_of(surface).triangles.size();
+  const int control_facets = base_facets(surface.model);
   int level = 2;
   while ((control_facets << (2 * (level + 1))) <= far_facets) ++level;
   const Image<float> far = rasterize_signed_distance(tessellate(surface, level), grid, grid.extent().norm());

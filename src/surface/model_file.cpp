@@ -149,9 +149,9 @@ std::string text_of(const NormalModel& model, const Parameters& parameters) {
   }
   text +=
       fmt::format("],\n  \"points\": {},\n  \"normals\": {}", rows(parameters, 0, "    "), rows(parameters, 1, "    "));
-  if (!model.on_unit_sphere().empty()) {
-    text += fmt::format(",\n  \"unit_sphere\": {{\n    \"points\": {},\n    \"normals\": {}}}",
-                        rows(model.on_unit_sphere(), 0, "      "), rows(model.on_unit_sphere(), 1, "      "));
+  if (!model.reference().empty()) {
+    text += fmt::format(",\n  \"reference\": {{\n    \"points\": {},\n    \"normals\": {}}}",
+                        rows(model.reference(), 0, "      "), rows(model.reference(), 1, "      "));
   }
   return text + "\n}\n";
 }
@@ -162,7 +162,7 @@ Surface read_normal_model(const std::filesystem::path& path, const Reader& reade
   const SubdivisionRule rule = read_rule(reader);
   Parameters parameters = reader.points_and_normals();
   Parameters sphere;
-  if (reader.has("unit_sphere")) sphere = reader.inner("unit_sphere").points_and_normals();
+  if (reader.has("reference")) sphere = reader.inner("reference").points_and_normals();
   const int count = static_cast<int>(parameters.size() / 6);
   try {
     NormalModel model(count, reader.index_triples("triangles"), rule, std::move(sphere));

@@ -67,18 +67,18 @@ void check_fans(const Triangles& triangles, const std::map<DirectedEdge, int>& l
   }
 }
 
-void check_unit_sphere(const Parameters& on_unit_sphere, int vertex_count) {
-  if (on_unit_sphere.empty()) return;
-  if (on_unit_sphere.size() != 6 * std::size_t(vertex_count)) {
-    throw BadData(fmt::format("unit sphere of the control mesh (all): {} numbers where 6 a vertex, {}, belong",
-                              on_unit_sphere.size(), 6 * vertex_count));
+void check_reference(const Parameters& reference, int vertex_count) {
+  if (reference.empty()) return;
+  if (reference.size() != 6 * std::size_t(vertex_count)) {
+    throw BadData(fmt::format("reference shape of the control mesh (all): {} numbers where 6 a vertex, {}, belong",
+                              reference.size(), 6 * vertex_count));
   }
   for (int v = 0; v < vertex_count; ++v) {
-    const double* const block = on_unit_sphere.data() + 6 * std::size_t(v);
+    const double* const block = reference.data() + 6 * std::size_t(v);
     const Vec3 p(block), n(block + 3);
-    if (!(std::abs(p.norm() - 1) <= 1e-6) || !((n - p).norm() <= 1e-6)) {
+    if (!p.allFinite() || !(std::abs(n.norm() - 1) <= 1e-6)) {
       throw BadData(fmt::format(
-          "unit sphere of the control mesh (vertex {}): the point must have length 1 and the normal equal it", v));
+          "reference shape of the control mesh (vertex {}): the point must be finite and the normal have length 1", v));
     }
   }
 }
@@ -179,24 +179,21 @@ std::vector<int> samples_of_patch(const std::array<int, 3>& triangle, const Tria
 }  // namespace
 
 NormalModel::NormalModel(int vertex_count, std::vector<std::array<int, 3>> triangles, SubdivisionRule rule,
-                         Parameters on_unit_sphere)
-    : vertex_count_(vertex_count),
-      triangles_(std::move(triangles)),
-      rule_(rule),
-      on_unit_sphere_(std::move(on_unit_sphere)) {
+                         Parameters reference)
+    : vertex_count_(vertex_count), triangles_(std::move(triangles)), rule_(rule), reference_(std::move(reference)) {
   if (triangles_.empty()) fail("all", "has no triangles");
   check_fans(triangles_, edges_of(triangles_, vertex_count_), vertex_count_);
-  check_unit_sphere(on_unit_sphere_, vertex_count_);
+  check_reference(reference_, vertex_count_);
 }
 
 NormalModel NormalModel::start(StartSolid solid, SubdivisionRule rule) {
   std::vector<Vec3> points = directions_of(solid);
-  Parameters on_unit_sphere;
+  Parameters reference;
   for (const Vec3& point : points) {
     const Vec3 unit = point.normalized();
-    for (int copy = 0; copy < 2; ++copy) on_unit_sphere.insert(on_unit_sphere.end(), unit.begin(), unit.end());
+    for (int copy = 0; copy < 2; ++copy) reference.insert(reference.end(), unit.begin(), unit.end());
   }
-  return {static_cast<int>(points.size()), facets_of(points), rule, std::move(on_unit_sphere)};
+  return {static_cast<int>(points.size()), facets_of(points), rule, std::move(reference)};
 }
 
 std::vector<BlockKind> NormalModel::blocks() const {
@@ -223,55 +220,50 @@ SampleLayout NormalModel::layout(int level) const {
     for (const auto& t : layout.refinement->triangles)
       layout.triangles.push_back({global[t[0]], global[t[1]], global[t[2]]});
   }
-  if (!on_unit_sphere_.empty()) {
-    SurfaceSamples sphere;
-    evaluate(on_unit_sphere_, layout, false, sphere);
-    layout.on_unit_sphere = std::move(sphere.x);
+  if (!reference_.empty()) {
+    SurfaceSamples samples;
+    evaluate(reference_, layout, false, samples);
+    layout.reference = std::move(samples.x);
   }
   return layout;
 }
 
+TriangleMesh NormalModel::control_mesh(const Parameters& parameters) const {
+  TriangleMesh mesh;
+  mesh.triangles = triangles_;
+  for (int v = 0; v < vertex_count_; ++v) {
+    mesh.vertices.emplace_back(&parameters[6 * std::size_t(v)]);
+    mesh.normals.emplace_back(&parameters[6 * std::size_t(v) + 3]);
+  }
+  return mesh;
+}
+
 std::pair<NormalModel, Parameters> NormalModel::refine(const Parameters& parameters) const {
   const SampleLayout once = layout(1);
-  SurfaceSamples samples;
+  SurfaceSamples samples, reference;
   evaluate(parameters, once, false, samples);
+  if (!reference_.empty()) evaluate(reference_, once, false, reference);
   std::vector<int> vertex_of(once.patch_of.size());  // old vertices keep their numbers, new ones follow
   int count = vertex_count_;
   for (std::size_t i = 0; i < vertex_of.size(); ++i) {
     const int local = once.owned_local[i];
     vertex_of[i] = local < 3 ? triangles_[once.patch_of[i]][local] : count++;
   }
-  Parameters refined(parameters), sphere(on_unit_sphere_);
+  Parameters refined(parameters), refined_reference(reference_);
   refined.resize(6 * std::size_t(count));
-  if (!sphere.empty()) sphere.resize(refined.size());
+  if (!reference_.empty()) refined_reference.resize(refined.size());
   for (std::size_t i = 0; i < vertex_of.size(); ++i) {
     const int v = vertex_of[i];
     if (v < vertex_count_) continue;
     std::copy_n(samples.x[i].data(), 3, &refined[6 * std::size_t(v)]);
     std::copy_n(samples.normal[i].data(), 3, &refined[6 * std::size_t(v) + 3]);
-    if (sphere.empty()) continue;
-    const Vec3 unit = once.on_unit_sphere[i].normalized();
-    std::copy_n(unit.data(), 3, &sphere[6 * std::size_t(v)]);
-    std::copy_n(unit.data(), 3, &sphere[6 * std::size_t(v) + 3]);
+    if (reference_.empty()) continue;
+    std::copy_n(reference.x[i].data(), 3, &refined_reference[6 * std::size_t(v)]);
+    std::copy_n(reference.normal[i].data(), 3, &refined_reference[6 * std::size_t(v) + 3]);
   }
   Triangles triangles;
   for (const auto& t : once.triangles) triangles.push_back({vertex_of[t[0]], vertex_of[t[1]], vertex_of[t[2]]});
-  return {NormalModel(count, std::move(triangles), rule_, std::move(sphere)), std::move(refined)};
-}
-
-Parameters affine_sphere(const NormalModel& model, const Vec3& centre, const Mat3& A) {
-  if (model.on_unit_sphere().empty()) {
-    throw BadData("control mesh (all): has no unit sphere to map; start from a solid");
-  }
-  Parameters result(model.on_unit_sphere());
-  const Mat3 cofactor = A.inverse().transpose();
-  for (int v = 0; v < model.vertex_count(); ++v) {
-    const Vec3 unit(&model.on_unit_sphere()[6 * std::size_t(v)]);
-    const Vec3 point = centre + A * unit, normal = (cofactor * unit).normalized();
-    std::copy_n(point.data(), 3, &result[6 * std::size_t(v)]);
-    std::copy_n(normal.data(), 3, &result[6 * std::size_t(v) + 3]);
-  }
-  return result;
+  return {NormalModel(count, std::move(triangles), rule_, std::move(refined_reference)), std::move(refined)};
 }
 
 }  // namespace pellicle

@@ -4,6 +4,7 @@
 /// `smooth` rule has continuous normals, the `published` rule is kept beside it.
 
 #include <array>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,21 +24,24 @@ class NormalModel {
  public:
   /// \param triangles closed, manifold, oriented control mesh over vertices 0..vertex_count-1, outward.
   /// \throws BadData naming the fault otherwise.
-  NormalModel(int vertex_count, std::vector<std::array<int, 3>> triangles, SubdivisionRule rule,
-              Parameters on_unit_sphere);
+  NormalModel(int vertex_count, std::vector<std::array<int, 3>> triangles, SubdivisionRule rule, Parameters reference);
   /// A Platonic solid inscribed in the unit sphere.
   static NormalModel start(StartSolid solid, SubdivisionRule rule);
 
   int vertex_count() const { return vertex_count_; }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   SubdivisionRule rule() const { return rule_; }
-  /// Parameters with which the model is the exact unit sphere about the origin (empty for genus > 0).
-  const Parameters& on_unit_sphere() const { return on_unit_sphere_; }
+  /// Parameters of the shape that smoothness and spacing are measured against: the exact unit sphere about the origin
+  /// for the start solids; empty when none is known.
+  const Parameters& reference() const { return reference_; }
 
   /// Block 2v is the point of vertex v, block 2v+1 its unit normal.
   std::vector<BlockKind> blocks() const;
   int parameter_count() const { return 6 * vertex_count_; }
   int degrees_of_freedom() const { return 5 * vertex_count_; }
+  TriangleMesh control_mesh(const Parameters& parameters) const;
+  std::string name() const { return "normal"; }
+  int base_facets() const { return static_cast<int>(triangles_.size()); }
 
   SampleLayout layout(int level) const;
   /// Positions, limit normals and, when asked, Jacobians of all samples. Threads over patches, deterministic.
@@ -56,10 +60,7 @@ class NormalModel {
   int vertex_count_;
   std::vector<std::array<int, 3>> triangles_;
   SubdivisionRule rule_;
-  Parameters on_unit_sphere_;
+  Parameters reference_;
 };
-
-/// The image of the model's unit sphere under x -> centre + A x: points centre + A v, normals unit(A^-T v).
-Parameters affine_sphere(const NormalModel& model, const Vec3& centre, const Mat3& A);
 
 }  // namespace pellicle

@@ -21,6 +21,7 @@ struct SamplePatch {
 };
 
 struct TriangleRefinement;
+struct LinearStencils;
 
 /// Which samples a model has at one density, how they depend on the parameters and how they hang together. Constant as
 /// long as the model's control mesh is.
@@ -29,9 +30,12 @@ struct SampleLayout {
   std::vector<SamplePatch> patches;           ///< samples are ordered by patch
   std::vector<int> patch_of;                  ///< owner of each sample
   std::vector<std::array<int, 3>> triangles;  ///< closed, outward mesh over the samples
-  std::vector<Vec3> on_unit_sphere;           ///< where each sample lies when the model forms the unit sphere (genus 0)
-  std::vector<int> owned_local;               ///< model's own: local number of each sample within its patch
-  std::shared_ptr<const TriangleRefinement> refinement;  ///< model's own: how one patch is refined
+  /// Where each sample lies on the model's reference shape (unit sphere, torus, voxel seed ..., any scale); empty when
+  /// the model has none. Smoothness and spacing are measured against it.
+  std::vector<Vec3> reference;
+  std::vector<int> owned_local;                          ///< model's own: local number of each sample within its patch
+  std::shared_ptr<const TriangleRefinement> refinement;  ///< normal model's own: how one patch is refined
+  std::shared_ptr<const LinearStencils> stencils;        ///< of the models that are linear in their control points
   int sample_count() const { return static_cast<int>(patch_of.size()); }
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pellicle/base/errors.h"
+
 namespace pellicle {
 
 std::vector<BlockKind> blocks_of(const SurfaceModel& model) {
@@ -10,7 +12,43 @@ std::vector<BlockKind> blocks_of(const SurfaceModel& model) {
 }
 
 int control_point_count(const SurfaceModel& model) {
-  return std::get<NormalModel>(model).vertex_count();
+  const std::vector<BlockKind> blocks = blocks_of(model);
+  return static_cast<int>(std::count(blocks.begin(), blocks.end(), BlockKind::point));
+}
+
+int base_facets(const SurfaceModel& model) {
+  return std::visit([](const auto& m) { return m.base_facets(); }, model);
+}
+
+SurfaceModel start_model(const ModelChoice& choice) {
+  switch (choice.kind) {
+    case ModelKind::normal:
+      break;
+  }
+  return NormalModel::start(choice.solid, choice.rule);
+}
+
+Parameters affine_image(const SurfaceModel& model, const Vec3& centre, const Mat3& A) {
+  Parameters result = std::visit([](const auto& m) { return m.reference(); }, model);
+  if (result.empty()) throw BadData("control mesh (all): has no reference shape to map; start from a solid");
+  const Mat3 of_normals = A.inverse().transpose();
+  double* block = result.data();
+  for (const BlockKind kind : blocks_of(model)) {
+    Eigen::Map<Vec3> v(block);
+    switch (kind) {
+      case BlockKind::point:
+        v = (centre + A * v).eval();
+        break;
+      case BlockKind::unit_normal:
+        v = (of_normals * v).normalized().eval();
+        break;
+      case BlockKind::vector:
+        v = (A * v).eval();
+        break;
+    }
+    block += 3;
+  }
+  return result;
 }
 
 int degrees_of_freedom(const SurfaceModel& model) {
@@ -65,18 +103,11 @@ int tessellation_level(const Surface& surface, double edge_mm) {
 }
 
 TriangleMesh control_mesh_of(const Surface& surface) {
-  const auto& model = std::get<NormalModel>(surface.model);
-  TriangleMesh mesh;
-  mesh.triangles = model.triangles();
-  for (int v = 0; v < model.vertex_count(); ++v) {
-    mesh.vertices.emplace_back(&surface.parameters[6 * std::size_t(v)]);
-    mesh.normals.emplace_back(&surface.parameters[6 * std::size_t(v) + 3]);
-  }
-  return mesh;
+  return std::visit([&](const auto& m) { return m.control_mesh(surface.parameters); }, surface.model);
 }
 
-std::string model_name(const SurfaceModel& /*model*/) {
-  return "normal";
+std::string model_name(const SurfaceModel& model) {
+  return std::visit([](const auto& m) { return m.name(); }, model);
 }
 
 }  // namespace pellicle

@@ -9,7 +9,25 @@
 
 namespace pellicle {
 
+/// One class of models each. All have blocks(), reference() (parameters of the reference shape, see SampleLayout),
+/// layout(level), evaluate(), pull_back(), refine(), base_facets() (triangles at level 0, about four times as many a
+/// level), degrees_of_freedom(), control_mesh(parameters) and name().
 using SurfaceModel = std::variant<NormalModel>;
+
+enum class ModelKind { normal };
+
+/// Which model a fit starts with.
+struct ModelChoice {
+  ModelKind kind = ModelKind::normal;
+  StartSolid solid = StartSolid::tetrahedron;      ///< normal
+  SubdivisionRule rule = SubdivisionRule::smooth;  ///< normal
+};
+/// Of the fewest control points; its reference shape is the unit sphere about the origin.
+SurfaceModel start_model(const ModelChoice& choice);
+
+/// The image of the model's reference shape under x -> centre + A x: points centre + A p, vectors A v, normals
+/// unit(A^-T n). \throws BadData when the model has no reference shape.
+Parameters affine_image(const SurfaceModel& model, const Vec3& centre, const Mat3& A);
 
 /// A model and its unknowns: all that re-creates the surface exactly.
 struct Surface {
@@ -19,6 +37,7 @@ struct Surface {
 
 std::vector<BlockKind> blocks_of(const SurfaceModel& model);
 int control_point_count(const SurfaceModel& model);
+int base_facets(const SurfaceModel& model);
 int degrees_of_freedom(const SurfaceModel& model);
 SampleLayout layout_of(const SurfaceModel& model, int level);
 void evaluate(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
@@ -30,7 +49,7 @@ Surface refine(const Surface& surface);
 TriangleMesh tessellate(const Surface& surface, int level);
 /// The level at which facet edges are about `edge_mm` long (root mean square) or shorter, at most 7.
 int tessellation_level(const Surface& surface, double edge_mm);
-/// The control mesh itself (points and normals; facets are the control triangles).
+/// The control mesh itself: control points, joined by facets, with normals where the model has them.
 TriangleMesh control_mesh_of(const Surface& surface);
 std::string model_name(const SurfaceModel& model);  ///< "normal", ...
 

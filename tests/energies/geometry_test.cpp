@@ -130,7 +130,7 @@ TEST(Curvature, of_an_ellipsoid_at_its_poles) {
   }
   const std::vector<double> k = sum_of_curvatures(s.layout, s.x, s.normal);
   for (std::size_t i = 0; i < s.x.size(); ++i) {
-    if (s.layout.on_unit_sphere[i].z() < 0.999) continue;
+    if (s.layout.reference[i].z() < 0.999) continue;
     EXPECT_NEAR(k[i], 8.0 / 144.0 + 8.0 / 100.0, 0.01);
   }
 }

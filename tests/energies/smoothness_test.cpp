@@ -45,7 +45,7 @@ TEST(Bending, affine_images_of_the_sphere_cost_nothing) {
         const Mat3 a = 30.0 * random_matrix(random);
         const Vec3 shift = random_vector(random, 200.0);
         std::vector<Vec3> x;
-        for (const Vec3& p : s.layout.on_unit_sphere) x.push_back(shift + a * p);
+        for (const Vec3& p : s.layout.reference) x.push_back(shift + a * p);
         EXPECT_LE(energy_of(rows, x), 1e-16 * std::pow(4.0, 2 * level) * 1e4);
       }
     }
@@ -62,7 +62,7 @@ TEST(Bending, harmonics_count_as_the_formula_says_and_the_error_falls_with_the_m
       for (const int level : {3, 4, 5}) {
         const Samples s = test::sphere_samples(level, 1.0, Vec3::Zero(), solid);
         std::vector<Vec3> x;
-        for (const Vec3& p : s.layout.on_unit_sphere) x.emplace_back(0.0, harmonic(degree, p), 0.0);
+        for (const Vec3& p : s.layout.reference) x.emplace_back(0.0, harmonic(degree, p), 0.0);
         error.push_back(std::abs(energy_of(bending_rows(s.layout), x) / exact - 1.0));
       }
       const auto what = testing::Message() << "degree " << degree << " solid " << static_cast<int>(solid) << " errors "
@@ -124,7 +124,7 @@ double fold_barrier(const Samples& s, const std::vector<Vec3>& x, double total_a
   double energy = 0.0;
   for (const auto& [a, b, c] : s.layout.triangles) {
     const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b), k = static_cast<std::size_t>(c);
-    const auto& on = s.layout.on_unit_sphere;
+    const auto& on = s.layout.reference;
     const double reference = r2 * 0.5 * (on[j] - on[i]).cross(on[k] - on[i]).norm();
     const Vec3 mean = (s.normal[i] + s.normal[j] + s.normal[k]).normalized();
     const double share = 0.5 * (x[j] - x[i]).cross(x[k] - x[i]).dot(mean) / reference;

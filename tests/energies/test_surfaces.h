@@ -82,7 +82,7 @@ inline Samples sphere_samples(int level, double radius, const Vec3& centre = Vec
                               StartSolid solid = StartSolid::icosahedron) {
   Samples s;
   s.layout = NormalModel::start(solid, SubdivisionRule::smooth).layout(level);
-  for (const Vec3& p : s.layout.on_unit_sphere) {
+  for (const Vec3& p : s.layout.reference) {
     s.normal.push_back(p.normalized());
     s.x.push_back(centre + radius * s.normal.back());
   }

@@ -232,7 +232,7 @@ TEST(SurfaceFromMask, comes_back_from_its_voxels) {
     s.spacing = Vec3(0.9, 1.0, 1.2);
     s.direction_degrees = Vec3(10, 20, 30);
     const Phantom phantom = make_phantom(s);
-    const Surface surface = surface_from_mask(phantom.truth, SubdivisionRule::smooth, StartSolid::tetrahedron, 3);
+    const Surface surface = surface_from_mask(phantom.truth, {}, 3);
     EXPECT_GE(test::dice(surface, phantom.truth), 0.97) << shape;
     EXPECT_GT(test::volume(surface), 0.0);
   }
@@ -242,10 +242,10 @@ TEST(SurfaceFromMask, takes_the_largest_part_and_refuses_nothing) {
   Phantom phantom = make_phantom(small_phantom());
   Image<std::uint8_t> mask = phantom.truth;
   for (int k = 0; k < 4; ++k) mask.at(k, 0, 0) = 1;
-  const Surface surface = surface_from_mask(mask, SubdivisionRule::smooth, StartSolid::octahedron, 2);
+  const Surface surface = surface_from_mask(mask, {.solid = StartSolid::octahedron}, 2);
   EXPECT_GE(test::dice(surface, phantom.truth), 0.97);
   std::fill(mask.voxels.begin(), mask.voxels.end(), std::uint8_t{0});
-  EXPECT_THROW(surface_from_mask(mask, SubdivisionRule::smooth, StartSolid::tetrahedron, 2), BadData);
+  EXPECT_THROW(surface_from_mask(mask, {}, 2), BadData);
 }
 
 }  // namespace

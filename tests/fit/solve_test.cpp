@@ -30,7 +30,7 @@ struct Step {
     const std::vector<double> area = sample_areas(layout, samples.x);
     NormalTargets targets{std::vector<double>(area.size()), std::vector<double>(area.size(), 1.0)};
     for (std::size_t i = 0; i < area.size(); ++i) {
-      const Vec3& u = layout.on_unit_sphere[i];
+      const Vec3& u = layout.reference[i];
       targets.offset[i] = 0.6 + 0.5 * u.x() * u.y() - 0.4 * u.z() * u.z();
       targets.weight[i] = 1.0 + 0.5 * u.x();
     }
@@ -52,7 +52,7 @@ struct Step {
   Step(const Step&) = delete;
   static Surface start() {
     const NormalModel model = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
-    return refine(Surface{model, affine_sphere(model, Vec3(3, -2, 5), 10.0 * Mat3::Identity())});
+    return refine(Surface{model, affine_image(model, Vec3(3, -2, 5), 10.0 * Mat3::Identity())});
   }
 
   double energy(const Parameters& parameters) const {

@@ -15,7 +15,7 @@ namespace {
 
 TriangleMesh ball_mesh(const Vec3& center, double radius) {
   const NormalModel model = NormalModel::start(StartSolid::icosahedron, SubdivisionRule::smooth);
-  return tessellate({model, affine_sphere(model, center, radius * Mat3::Identity())}, 5);
+  return tessellate({model, affine_image(model, center, radius * Mat3::Identity())}, 5);
 }
 
 LabelVolume ball_labels(const Vec3& center, double radius, int label) {

@@ -60,7 +60,7 @@ TEST(Coords, AllFramesNameTheSamePlace) {
 // A bright patch at the patient's left front must appear at the same place whatever the storage order.
 TEST(SliceView, ShowsThePatientTheSameWayForEveryStorageOrder) {
   const NormalModel model = NormalModel::start(StartSolid::icosahedron, SubdivisionRule::smooth);
-  const TriangleMesh ball = tessellate({model, affine_sphere(model, Vec3::Zero(), 4.0 * Mat3::Identity())}, 3);
+  const TriangleMesh ball = tessellate({model, affine_image(model, Vec3::Zero(), 4.0 * Mat3::Identity())}, 3);
   for (const auto& grid : all_grids()) {
     Image<float> image(grid);
     for (int k = 0; k < grid.size[2]; ++k) {
@@ -92,7 +92,7 @@ TEST(SliceView, ShowsThePatientTheSameWayForEveryStorageOrder) {
 
 TEST(SliceView, CutOfABallIsAClosedCircle) {
   const NormalModel model = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
-  const TriangleMesh ball = tessellate({model, affine_sphere(model, Vec3(10, 10, 10), 6.0 * Mat3::Identity())}, 5);
+  const TriangleMesh ball = tessellate({model, affine_image(model, Vec3(10, 10, 10), 6.0 * Mat3::Identity())}, 5);
   const auto pieces = cut_by_plane(ball, 2, 12.0);
   const double radius = std::sqrt(36.0 - 4.0);
   double length = 0.0;
@@ -106,7 +106,7 @@ TEST(SliceView, CutOfABallIsAClosedCircle) {
 TEST(Voxels, BoxHoldsTheMeshAndStaysInside) {
   const NormalModel model = NormalModel::start(StartSolid::octahedron, SubdivisionRule::smooth);
   for (const auto& grid : all_grids()) {
-    const TriangleMesh ball = tessellate({model, affine_sphere(model, Vec3(5, 4, -9), 6.0 * Mat3::Identity())}, 3);
+    const TriangleMesh ball = tessellate({model, affine_image(model, Vec3(5, 4, -9), 6.0 * Mat3::Identity())}, 3);
     const Box box = box_around(ball, grid, 1);
     ASSERT_FALSE(box.empty());
     for (std::size_t a = 0; a < 3; ++a) {
@@ -118,7 +118,7 @@ TEST(Voxels, BoxHoldsTheMeshAndStaysInside) {
         EXPECT_TRUE(box.grid.contains(v));
       }
     }
-    const TriangleMesh away = tessellate({model, affine_sphere(model, Vec3(500, 0, 0), Mat3::Identity())}, 2);
+    const TriangleMesh away = tessellate({model, affine_image(model, Vec3(500, 0, 0), Mat3::Identity())}, 2);
     EXPECT_TRUE(box_around(away, grid, 2).empty());
   }
 }
@@ -126,7 +126,7 @@ TEST(Voxels, BoxHoldsTheMeshAndStaysInside) {
 TEST(SignedDistance, OfABallIsThatOfABall) {
   const NormalModel model = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
   const Vec3 center(1, 2, 3);
-  const Surface ball{model, affine_sphere(model, center, 6.0 * Mat3::Identity())};
+  const Surface ball{model, affine_image(model, center, 6.0 * Mat3::Identity())};
   ImageGrid grid;
   grid.size = {50, 40, 30};
   grid.spacing = {0.7, 0.9, 1.2};

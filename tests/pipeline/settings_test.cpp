@@ -27,8 +27,8 @@ SegmentSettings random_settings(RandomEngine& random) {
   s.coords = Coords::ijk;
   s.spacing = Vec3(0.1, 1.0 / 3.0, 1e-7);
   s.fit.detail = 3;
-  s.fit.rule = SubdivisionRule::balanced;
-  s.fit.start_solid = StartSolid::icosahedron;
+  s.fit.model.rule = SubdivisionRule::balanced;
+  s.fit.model.solid = StartSolid::icosahedron;
   s.fit.start_rule = StartRule::rays;
   s.fit.polarity = Polarity::dark;
   s.fit.boundary = Boundary::ridge;
@@ -127,7 +127,6 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   EXPECT_NO_THROW(good.validate());
   refuses([](auto& s) { s.input.clear(); });
   refuses([](auto& s) { s.output.clear(); });
-  refuses([](auto& s) { s.model = "slime"; });
   refuses([](auto& s) { s.points = "p.csv"; });
   refuses([](auto& s) { s.objects = Objects::many; });
   refuses([](auto& s) { s.write = {"picture"}; });

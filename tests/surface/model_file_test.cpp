@@ -62,7 +62,7 @@ TEST_F(ModelFile, ReadsBackToTheSameBits) {
     const auto& model = std::get<NormalModel>(surface.model);
     const auto& read = std::get<NormalModel>(back.model);
     EXPECT_TRUE(same_bits(surface.parameters, back.parameters));
-    EXPECT_TRUE(same_bits(model.on_unit_sphere(), read.on_unit_sphere()));
+    EXPECT_TRUE(same_bits(model.reference(), read.reference()));
     EXPECT_EQ(model.triangles(), read.triangles());
     EXPECT_EQ(model.rule(), read.rule());
     write_model(file("again.json"), back);
@@ -72,9 +72,9 @@ TEST_F(ModelFile, ReadsBackToTheSameBits) {
 
 TEST_F(ModelFile, WorksWithoutAUnitSphere) {
   const NormalModel start = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
-  const Surface surface{NormalModel(4, start.triangles(), start.rule(), {}), start.on_unit_sphere()};
+  const Surface surface{NormalModel(4, start.triangles(), start.rule(), {}), start.reference()};
   write_model(file(), surface);
-  EXPECT_TRUE(std::get<NormalModel>(read_model(file()).model).on_unit_sphere().empty());
+  EXPECT_TRUE(std::get<NormalModel>(read_model(file()).model).reference().empty());
 }
 
 TEST_F(ModelFile, HasTheKeysOfTheSchema) {
@@ -129,17 +129,17 @@ TEST_F(ModelFile, RefusesWhatBreaksARuleAndNamesTheKey) {
        [](json& j) {
          j["points"].push_back({1, 2, 3});
          j["normals"].push_back({0, 0, 1});
-         j.erase("unit_sphere");
+         j.erase("reference");
        }},
-      {"\"unit_sphere\" must be an object", [](json& j) { j["unit_sphere"] = 1; }},
-      {"\"normals\" is missing", [](json& j) { j["unit_sphere"].erase("normals"); }},
-      {"unit sphere of the control mesh (vertex 2)",
+      {"\"reference\" must be an object", [](json& j) { j["reference"] = 1; }},
+      {"\"normals\" is missing", [](json& j) { j["reference"].erase("normals"); }},
+      {"\"normals\" entry 2: has length",
        [](json& j) {
-         j["unit_sphere"]["points"][2] = {0, 0, 2};
+         j["reference"]["normals"][2] = {0, 0, 2};
        }},
-      {"unit sphere of the control mesh (all)", [](json& j) {
-         j["unit_sphere"]["points"].erase(2);
-         j["unit_sphere"]["normals"].erase(2);
+      {"reference shape of the control mesh (all)", [](json& j) {
+         j["reference"]["points"].erase(2);
+         j["reference"]["normals"].erase(2);
        }}};
   for (const auto& [message, spoil] : cases) {
     json bad = good;

@@ -111,7 +111,7 @@ TEST(NormalModelDerivatives, DegenerateControlMeshesGiveFiniteNumbers) {
   RandomEngine random(23);
   for (const SubdivisionRule rule : shapes::kRules) {
     const NormalModel model = NormalModel::start(StartSolid::octahedron, rule);
-    const Parameters sphere = model.on_unit_sphere();
+    const Parameters sphere = model.reference();
     std::vector<Parameters> cases(6, sphere);
     for (int v = 0; v < model.vertex_count(); ++v) {
       const Vec3 p = shapes::point(sphere, v);
@@ -142,8 +142,8 @@ TEST(NormalModelDerivatives, PullBackAdds) {
   const SampleLayout layout = model.layout(2);
   const std::vector<Vec3> dE_dx(layout.sample_count(), Vec3(1, -2, 0.5));
   std::vector<double> once(model.parameter_count(), 0.0), onto(model.parameter_count(), 7.0);
-  model.pull_back(model.on_unit_sphere(), layout, dE_dx, once);
-  model.pull_back(model.on_unit_sphere(), layout, dE_dx, onto);
+  model.pull_back(model.reference(), layout, dE_dx, once);
+  model.pull_back(model.reference(), layout, dE_dx, onto);
   for (std::size_t k = 0; k < once.size(); ++k) EXPECT_LE(std::abs(onto[k] - once[k] - 7), 1e-12);
 }
 
@@ -177,9 +177,9 @@ TEST(NormalModelDerivatives, RefusesSizesThatDoNotFit) {
   SurfaceSamples samples;
   std::vector<double> gradient(model.parameter_count());
   EXPECT_THROW(model.evaluate(Parameters(3), model.layout(1), false, samples), BadData);
-  EXPECT_THROW(model.evaluate(model.on_unit_sphere(), other.layout(1), false, samples), BadData);
-  EXPECT_THROW(model.evaluate(model.on_unit_sphere(), SampleLayout{}, false, samples), BadData);
-  EXPECT_THROW(model.pull_back(model.on_unit_sphere(), model.layout(1), {}, gradient), BadData);
+  EXPECT_THROW(model.evaluate(model.reference(), other.layout(1), false, samples), BadData);
+  EXPECT_THROW(model.evaluate(model.reference(), SampleLayout{}, false, samples), BadData);
+  EXPECT_THROW(model.pull_back(model.reference(), model.layout(1), {}, gradient), BadData);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(NormalModel, StartSolidsAreInscribedAndOutward) {
     EXPECT_EQ(model.blocks()[0], BlockKind::point);
     EXPECT_EQ(model.blocks()[1], BlockKind::unit_normal);
     for (const auto& [a, b, c] : model.triangles()) {
-      const Parameters& p = model.on_unit_sphere();
+      const Parameters& p = model.reference();
       EXPECT_GT(shapes::point(p, a).dot(shapes::point(p, b).cross(shapes::point(p, c))), 0.3);
     }
   }
@@ -79,7 +79,7 @@ TEST(NormalModel, LayoutIsOneClosedMeshWithEachSampleOwnedOnce) {
         for (int i = patch.first_sample; i < next; ++i) ASSERT_EQ(layout.patch_of[i], static_cast<int>(f));
       }
       ASSERT_EQ(next, layout.sample_count());
-      const double volume = shapes::flat_volume({layout.on_unit_sphere, layout.triangles, {}});
+      const double volume = shapes::flat_volume({layout.reference, layout.triangles, {}});
       EXPECT_GT(volume, 0.5);
       EXPECT_LT(volume, 4 * std::numbers::pi / 3);
     }
@@ -133,7 +133,7 @@ TEST(NormalModel, SpheresAreExact) {
   }
   for (const NormalModel& model : models) {
     const Vec3 centre(10, -20, 30);
-    const TriangleMesh mesh = mesh_at(model, affine_sphere(model, centre, 5 * Mat3::Identity()), 5);
+    const TriangleMesh mesh = mesh_at(model, affine_image(model, centre, 5 * Mat3::Identity()), 5);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       ASSERT_LE(std::abs((mesh.vertices[i] - centre).norm() - 5), 1e-12);
       ASSERT_LE((mesh.normals[i] - (mesh.vertices[i] - centre) / 5).norm(), 1e-8);  // slivers magnify rounding
@@ -148,7 +148,7 @@ TEST(NormalModel, VolumeOfSpheresConvergesAsGolden) {
   for (const auto& [solid, name] : names) {
     const NormalModel model = NormalModel::start(solid, SubdivisionRule::balanced);
     for (const auto& row : golden.at(name)) {
-      const TriangleMesh mesh = mesh_at(model, model.on_unit_sphere(), row.at(0));
+      const TriangleMesh mesh = mesh_at(model, model.reference(), row.at(0));
       const double error = shapes::flat_volume(mesh) / (4 * std::numbers::pi / 3) - 1;
       EXPECT_LE(std::abs(error - row.at(3).get<double>()), 1e-12) << name << " " << row.at(0);
       const double corrected = volume_with_normals(mesh) / (4 * std::numbers::pi / 3) - 1;
@@ -229,10 +229,9 @@ TEST(NormalModel, RefiningMovesTheSmoothSurfaceALittleAndSpheresNotAtAll) {
       EXPECT_LE(moved, 0.012);
       EXPECT_GE(moved, 1e-5) << "if this is exact, say so in docs/models.md";
     }
-    const auto [fine, on_sphere] = model.refine(model.on_unit_sphere());
-    for (std::size_t k = 0; k < on_sphere.size(); ++k)
-      EXPECT_LE(std::abs(on_sphere[k] - fine.on_unit_sphere()[k]), 1e-14);
-    for (const Vec3& x : fine.layout(4).on_unit_sphere) ASSERT_LE(std::abs(x.norm() - 1), 1e-15 * 4);
+    const auto [fine, on_sphere] = model.refine(model.reference());
+    for (std::size_t k = 0; k < on_sphere.size(); ++k) EXPECT_LE(std::abs(on_sphere[k] - fine.reference()[k]), 1e-14);
+    for (const Vec3& x : fine.layout(4).reference) ASSERT_LE(std::abs(x.norm() - 1), 1e-15 * 4);
   }
 }
 
@@ -283,7 +282,7 @@ TEST(NormalModel, AffineSphereHasTheEllipsoidsPointsAndNormals) {
   Mat3 A;
   A << 3, 0.5, 0, 0, 2, 0.3, 0.1, 0, 1;
   const Vec3 centre(4, 5, 6);
-  const Parameters parameters = affine_sphere(model, centre, A);
+  const Parameters parameters = affine_image(model, centre, A);
   const Mat3 Q = (A * A.transpose()).inverse();
   for (int v = 0; v < model.vertex_count(); ++v) {
     const Vec3 x = shapes::point(parameters, v) - centre;
@@ -291,7 +290,7 @@ TEST(NormalModel, AffineSphereHasTheEllipsoidsPointsAndNormals) {
     EXPECT_LE((shapes::normal(parameters, v) - (Q * x).normalized()).norm(), 1e-13);
   }
   const NormalModel bare(model.vertex_count(), model.triangles(), model.rule(), {});
-  EXPECT_THROW(affine_sphere(bare, centre, A), BadData);
+  EXPECT_THROW(affine_image(bare, centre, A), BadData);
 }
 
 TEST(NormalModel, RefusesControlMeshesThatAreNoClosedSurface) {
@@ -340,10 +339,10 @@ TEST(NormalModel, AcceptsOtherGenera) {
   const NormalModel model(m * n, torus, SubdivisionRule::smooth, {});
   const SampleLayout layout = model.layout(3);
   EXPECT_EQ(layout.sample_count(), m * n * 64);
-  EXPECT_TRUE(layout.on_unit_sphere.empty());
+  EXPECT_TRUE(layout.reference.empty());
   expect_closed(layout.triangles);
   const Parameters parameters(model.parameter_count(), 0.5);
-  EXPECT_TRUE(model.refine(parameters).first.on_unit_sphere().empty());
+  EXPECT_TRUE(model.refine(parameters).first.reference().empty());
 }
 
 }  // namespace

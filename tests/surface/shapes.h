@@ -50,7 +50,7 @@ inline void set(Parameters& parameters, int vertex, const Vec3& p, const Vec3& n
 
 /// The unit sphere with every coordinate of points and normals moved by up to `amplitude`.
 inline Parameters perturbed_sphere(const NormalModel& model, double amplitude, RandomEngine& random) {
-  Parameters result(model.on_unit_sphere());
+  Parameters result(model.reference());
   for (int v = 0; v < model.vertex_count(); ++v) {
     const Vec3 p = point(result, v) + random_vector(random, amplitude);
     set(result, v, p, (normal(result, v) + random_vector(random, amplitude)).normalized());
@@ -62,7 +62,7 @@ inline Parameters perturbed_sphere(const NormalModel& model, double amplitude, R
 /// random direction meets them. Slivers and any valence from 3 up.
 inline NormalModel random_inscribed(int vertex_count, SubdivisionRule rule, RandomEngine& random) {
   const NormalModel start = NormalModel::start(StartSolid::tetrahedron, rule);
-  Parameters sphere = start.on_unit_sphere();
+  Parameters sphere = start.reference();
   auto triangles = start.triangles();
   for (int v = 4; v < vertex_count; ++v) {
     const Vec3 direction = random_unit(random);

@@ -9,7 +9,7 @@ namespace {
 
 Surface sphere(double radius) {
   NormalModel model = NormalModel::start(StartSolid::octahedron, SubdivisionRule::smooth);
-  Parameters parameters = affine_sphere(model, Vec3(1, 2, 3), radius * Mat3::Identity());
+  Parameters parameters = affine_image(model, Vec3(1, 2, 3), radius * Mat3::Identity());
   return {std::move(model), std::move(parameters)};
 }
 
