@@ -1,6 +1,7 @@
 #pragma once
-/// tension: E = 1/(8 pi) int_{S^2} |grad x|^2, mm^2: a membrane. A sphere of radius R has E = R^2; E is least, for a
-/// given surface, when samples are spread conformally; it pulls the surface together, so its weight is kept small.
+/// tension: E = 1/(8 pi) int |grad x|^2 over the reference shape, mm^2: a membrane. A sphere of radius R has E = R^2; E
+/// is least, for a given surface, when samples are spread conformally; it pulls the surface together, so its weight is
+/// kept small.
 
 #include "pellicle/energies/rows.h"
 #include "pellicle/surface/samples.h"

@@ -78,7 +78,7 @@ TEST(ScalarStages, volume_prior_and_edge_meet_in_between) {
   for (const double weight : {0.3, 3.0, 30.0}) {
     settings.volume_weight = weight;
     const double v = test::volume(fit_ball_seed(ball().image, Vec3(0, 0, 0), 8.0, settings).surface);
-    EXPECT_GT(v, last) << "weight " << weight;
+    EXPECT_GT(v, last - 1e-3 * plain) << "weight " << weight;  // once at the target, steps end on either side of it
     EXPECT_LT(v, 1.01 * 1.3 * plain);
     last = v;
   }
