@@ -23,16 +23,6 @@ Mat3 rotation_of(const Vec3& degrees) {
       .toRotationMatrix();
 }
 
-ImageGrid grid_of(const PhantomSettings& settings) {
-  ImageGrid grid;
-  grid.size = settings.size;
-  grid.spacing = settings.spacing;
-  grid.direction = rotation_of(settings.direction_degrees);
-  const Vec3 middle = 0.5 * Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
-  grid.origin_in_world = -(grid.world_from_index_matrix() * middle);
-  return grid;
-}
-
 void require(bool ok, const char* flag, const std::string& value, const char* rule) {
   if (!ok) throw UsageError(fmt::format("bad phantom setting ({} {}): {}", flag, value, rule));
 }
@@ -61,6 +51,16 @@ Image<float> degraded(Image<float> fraction, const PhantomSettings& settings) {
 
 }  // namespace
 
+ImageGrid phantom_grid(const PhantomSettings& settings) {
+  ImageGrid grid;
+  grid.size = settings.size;
+  grid.spacing = settings.spacing;
+  grid.direction = rotation_of(settings.direction_degrees);
+  const Vec3 middle = 0.5 * Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+  grid.origin_in_world = -(grid.world_from_index_matrix() * middle);
+  return grid;
+}
+
 void PhantomSettings::validate() const {
   make_shape(shape, radius, blob_amplitude, seed);
   const auto whole = fmt::format("{},{},{}", size[0], size[1], size[2]);
@@ -82,7 +82,7 @@ void PhantomSettings::validate() const {
           "inside and outside must be finite and differ");
   require(noise != PhantomNoise::poisson || (inside >= 0.0 && outside >= 0.0), "--contrast", levels,
           "Poisson noise needs intensities of 0 or more");
-  const double longest = grid_of(*this).extent().maxCoeff();
+  const double longest = phantom_grid(*this).extent().maxCoeff();
   require(blur_mm >= 0.0 && blur_mm <= longest, "--blur", fmt::format("{}", blur_mm),
           "must lie between 0 and the volume's longest edge, in mm");
   require(noise == PhantomNoise::none || (std::isfinite(snr) && snr > 0.0), "--snr", fmt::format("{}", snr),
@@ -105,7 +105,7 @@ Phantom make_phantom(const PhantomSettings& settings) {
   phantom.inner_radius = ball.radius;
   phantom.natural_center = ball.natural_center;
 
-  const ImageGrid grid = grid_of(settings);
+  const ImageGrid grid = phantom_grid(settings);
   phantom.shell_thickness_mm = shell_thickness(settings, grid, phantom.inner_radius);
   phantom.truth = mask_of(phantom.body, phantom.truth_surface, grid);
   if (std::find(phantom.truth.voxels.begin(), phantom.truth.voxels.end(), 1) == phantom.truth.voxels.end()) {

@@ -63,6 +63,9 @@ struct Phantom {
   std::vector<SeedDraw> seeds;      ///< eight draws that belong to settings.seed
 };
 
+/// The grid of a phantom: its middle lies at the world's origin.
+ImageGrid phantom_grid(const PhantomSettings& settings);
+
 /// Each voxel is the mean, over its own box, of the object convolved with the Gaussian, times the bias field, plus
 /// noise. The blur is that of the continuous object: thin slices and wide ones see the same object. Same bytes for
 /// any number of threads. \throws UsageError: see validate(), and when no voxel centre lies inside the object.
