@@ -32,6 +32,7 @@ Mat3 random_rotation(RandomEngine& random) {
 /// Largest first: small ones still find room when it gets tight.
 std::vector<double> draw_radii(const ClusterSettings& s, RandomEngine& random) {
   std::vector<double> radii;
+  radii.reserve(static_cast<std::size_t>(std::max(0, s.count)));
   for (int i = 0; i < s.count; ++i) radii.push_back(random.uniform(s.radius_min, s.radius_max));
   std::sort(radii.rbegin(), radii.rend());
   return radii;
@@ -46,7 +47,7 @@ Vec3 draw_center(const ClusterSettings& s, const ImageGrid& grid, double r, cons
       index[a] = random.uniform(margin, grid.size[static_cast<std::size_t>(a)] - 1 - margin);
       if (grid.size[static_cast<std::size_t>(a)] - 1 < 2.0 * margin) throw UsageError("bad cluster: volume too small");
     }
-    const Vec3 x = grid.world_from_index(index);
+    Vec3 x = grid.world_from_index(index);
     bool free = true;
     for (std::size_t j = 0; j < centers.size() && free; ++j) {
       free = (x - centers[j]).norm() >= s.distance * (r + radii[j]);

@@ -87,6 +87,6 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
 /// Start surface from a mask: the moment ellipsoid of its largest part, fitted to the mask's boundary with `detail`
 /// refinements, so that the start is the mask up to the model's resolution.
 /// \throws BadData when the mask is empty.
-Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& model, int detail);
+Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail);
 
 }  // namespace pellicle
