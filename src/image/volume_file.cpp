@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/base/memory.h"
 #include "pellicle/image/dicom_series.h"
 #include "pellicle/image/itk_io.h"
 #include "pellicle/image/nifti_io.h"
@@ -96,6 +97,7 @@ std::vector<T> reserved(const fs::path& path, std::size_t count) {
   try {
     std::vector<T> voxels;
     voxels.reserve(count);
+    prefer_large_pages(voxels.data(), count * sizeof(T));
     return voxels;
   } catch (const std::exception&) {  // bad_alloc or length_error
     throw_bad_volume(
