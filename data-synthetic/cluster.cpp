@@ -9,19 +9,13 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
-#include "pellicle/synthetic/inner_ball.h"
 #include "pellicle/synthetic/render.h"
 
 namespace pellicle {
 namespace {
 
-void validate(const ClusterSettings& s) {
-  s.image.validate();
-  if (s.count < 1 || s.count > 65535) throw UsageError(fmt::format("bad cluster: {} objects, 1 to 65535", s.count));
-  if (!(s.radius_min > 0.0) || !(s.radius_max >= s.radius_min) || !(s.elongation >= 1.0) || !(s.distance > 0.0) ||
-      !(s.contrast_min > 0.0) || !(s.contrast_min <= 1.0)) {
-    throw UsageError("bad cluster: radii, elongation, distance or contrast out of range");
-  }
+void require(bool ok, const char* flag, const std::string& value, const char* rule) {
+  if (!ok) throw UsageError(fmt::format("bad phantom setting ({} {}): {}", flag, value, rule));
 }
 
 Mat3 random_rotation(RandomEngine& random) {
@@ -38,15 +32,26 @@ std::vector<double> draw_radii(const ClusterSettings& s, RandomEngine& random) {
   return radii;
 }
 
+/// Indices at which the centre of an object of radius r may lie: all of the object is inside the volume.
+std::pair<Vec3, Vec3> room_for(const ClusterSettings& s, const ImageGrid& grid, double r) {
+  const double longest = r * std::cbrt(s.elongation * s.elongation);
+  const Vec3 low = longest * grid.spacing.cwiseInverse();
+  const Vec3 high = Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1) - low;
+  if (((high - low).array() < 0.0).any()) {
+    throw UsageError(
+        fmt::format("volume too small (--size {},{},{}): an object of half axis {:.4g} mm does not fit; use more "
+                    "voxels or a smaller --radius",
+                    grid.size[0], grid.size[1], grid.size[2], longest));
+  }
+  return {low, high};
+}
+
 Vec3 draw_center(const ClusterSettings& s, const ImageGrid& grid, double r, const std::vector<Vec3>& centers,
                  const std::vector<double>& radii, RandomEngine& random) {
+  const auto [low, high] = room_for(s, grid, r);
   for (int attempt = 0; attempt < 200000; ++attempt) {
     Vec3 index;
-    for (int a = 0; a < 3; ++a) {
-      const double margin = r * std::cbrt(s.elongation * s.elongation) / grid.spacing[a];
-      index[a] = random.uniform(margin, grid.size[static_cast<std::size_t>(a)] - 1 - margin);
-      if (grid.size[static_cast<std::size_t>(a)] - 1 < 2.0 * margin) throw UsageError("bad cluster: volume too small");
-    }
+    for (int a = 0; a < 3; ++a) index[a] = random.uniform(low[a], high[a]);
     Vec3 x = grid.world_from_index(index);
     bool free = true;
     for (std::size_t j = 0; j < centers.size() && free; ++j) {
@@ -54,7 +59,10 @@ Vec3 draw_center(const ClusterSettings& s, const ImageGrid& grid, double r, cons
     }
     if (free) return x;
   }
-  throw UsageError(fmt::format("bad cluster: {} objects do not fit, {} did", s.count, centers.size()));
+  throw UsageError(
+      fmt::format("no room for all objects (--count {}): only {} found a place with centres {} (r + r') apart; use a "
+                  "larger volume, a smaller --radius or a smaller --distance",
+                  s.count, centers.size(), s.distance));
 }
 
 /// Axes with a : b : c = e : m : 1, m between, and the volume of the ball of radius r.
@@ -65,6 +73,16 @@ Body draw_body(const ClusterSettings& s, double r, const Vec3& center, RandomEng
   body.world_from_shape = random_rotation(random);
   body.center = center;
   return body;
+}
+
+/// As for the other phantoms: within 0.4 inner radii of the centre, radius 0.25 to 1.2 inner radii.
+SeedDraw draw_seed(const Body& body, RandomEngine& random) {
+  const double inner = half_bounds(body.shape).minCoeff();
+  Vec3 offset;
+  do {
+    for (int a = 0; a < 3; ++a) offset[a] = random.uniform(-1.0, 1.0);
+  } while (offset.norm() > 1.0);
+  return {body.center + 0.4 * inner * offset, inner * random.uniform(0.25, 1.2)};
 }
 
 /// The part of `grid` that the object and its blur can reach; `first` is its corner.
@@ -94,7 +112,8 @@ void paint(const Body& body, double contrast, std::uint16_t label, double blur_m
   Index3 first{0, 0, 0};
   const double reach = bounds.maxCoeff() + 4.0 * blur_mm + grid.spacing.maxCoeff();
   const ImageGrid window = window_of(grid, body.center, reach, first);
-  const TriangleMesh surface = mesh_of(body, mesh_cell(body.shape));
+  // It only tells which voxels the surface passes: far coarser than a truth mesh.
+  const TriangleMesh surface = mesh_of(body, bounds.minCoeff() / 6.0);
   const Image<float> fraction = fraction_of(body, surface, window, 0.0, blur_mm);
   std::size_t v = 0;
   for (int k = 0; k < window.size[2]; ++k) {
@@ -119,19 +138,36 @@ void paint(const Body& body, double contrast, std::uint16_t label, double blur_m
 
 }  // namespace
 
+void ClusterSettings::validate() const {
+  image.validate();
+  const auto finite = [](double a, double b) { return std::isfinite(a) && std::isfinite(b); };
+  require(count >= 1 && count <= 65535, "--count", fmt::format("{}", count), "must lie between 1 and 65535");
+  require(finite(radius_min, radius_max) && radius_min > 0.0 && radius_max >= radius_min, "--radius",
+          fmt::format("{},{}", radius_min, radius_max), "MIN,MAX must be above 0 and in this order, in mm");
+  require(elongation >= 1.0 && elongation <= 10.0, "--elongation", fmt::format("{}", elongation),
+          "must lie between 1 and 10");
+  require(distance > 0.0 && distance <= 100.0, "--distance", fmt::format("{}", distance), "must lie in (0, 100]");
+  require(finite(contrast_min, contrast_max) && contrast_min > 0.0 && contrast_max >= contrast_min, "--contrast-range",
+          fmt::format("{},{}", contrast_min, contrast_max), "MIN,MAX must be above 0 and in this order");
+}
+
 Cluster make_cluster(const ClusterSettings& settings) {
-  validate(settings);
+  settings.validate();
   const PhantomSettings& s = settings.image;
   const ImageGrid grid = phantom_grid(s);
   RandomEngine random(s.seed ^ 0xc1u);
   const std::vector<double> radii = draw_radii(settings, random);
   Cluster cluster;
+  cluster.settings = settings;
   std::vector<Vec3> centers;
+  RandomEngine random_of_seeds(s.seed ^ 0x5eedULL);
   for (const double r : radii) {
     centers.push_back(draw_center(settings, grid, r, centers, radii, random));
     cluster.bodies.push_back(draw_body(settings, r, centers.back(), random));
-    cluster.contrast.push_back(std::pow(settings.contrast_min, random.uniform()));
+    const double share = random.uniform();
+    cluster.contrast.push_back(settings.contrast_max * std::pow(settings.contrast_min / settings.contrast_max, share));
   }
+  for (const Body& body : cluster.bodies) cluster.seeds.push_back(draw_seed(body, random_of_seeds));
   std::size_t voxels = 1;
   for (const int n : grid.size) voxels *= static_cast<std::size_t>(n);
   cluster.truth.grid = grid;

@@ -42,6 +42,17 @@ Vec3 deepest_near(const Body& body, const TriangleMesh& surface, Vec3 x, double 
   return x;
 }
 
+/// Centre of the largest ball inside that touches the surface at its first vertex.
+Vec3 touching_ball(const TriangleMesh& surface) {
+  const Vec3 &p = surface.vertices.front(), &normal = surface.normals.front();
+  double radius = 1e300;
+  for (const Vec3& q : surface.vertices) {
+    const double below = normal.dot(p - q);
+    if (below > 0.0) radius = std::min(radius, (p - q).squaredNorm() / (2.0 * below));
+  }
+  return p - radius * normal;
+}
+
 }  // namespace
 
 double mesh_cell(const Shape& shape) {
@@ -68,6 +79,8 @@ InnerBall inner_ball(const Body& body, const TriangleMesh& surface) {
       }
     }
   }
+  // A thin ring slips between the points of the lattice.
+  if (deepest <= 0.0) start = touching_ball(surface);
   InnerBall ball;
   ball.center = deepest_near(body, surface, start, step);
   ball.radius = depth_at(body, surface, ball.center);

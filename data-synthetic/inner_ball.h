@@ -6,7 +6,8 @@
 
 namespace pellicle {
 
-/// Lattice step for mesh_of that resolves every shape: 20,000 to 45,000 triangles for compact ones.
+/// Lattice step for mesh_of that resolves every shape: 20,000 to 45,000 triangles for compact ones, up to 75,000 for
+/// tori.
 double mesh_cell(const Shape& shape);
 
 struct InnerBall {

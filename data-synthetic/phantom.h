@@ -21,7 +21,7 @@ struct PhantomSettings {
   Index3 size{96, 96, 96};           ///< voxels
   Vec3 spacing{1, 1, 1};             ///< mm
   Vec3 direction_degrees{0, 0, 0};   ///< turns the grid (not the object): about x, then y, then z, fixed world axes
-  std::vector<double> radius{20.0};  ///< mm; one scale, or three half axes (see make_shape)
+  std::vector<double> radius{20.0};  ///< mm; one scale, three half axes, or MAJOR and MINOR (see make_shape)
   double blob_amplitude = 0.35;      ///< blob: largest deviation from its mean radius, relative, in (0, 0.6]
   Vec3 center{0, 0, 0};              ///< of the object, world mm; may leave the object partly outside the volume
   PhantomFill fill = PhantomFill::solid;
@@ -57,7 +57,8 @@ struct Phantom {
   double exact_volume_ml = 0.0;
   double inner_radius = 0.0;  ///< shortest half-axis: radius of the largest inscribed ball, mm
   /// The centroid, when it lies at least half the inner radius deep, else the deepest point (centre of the largest
-  /// inscribed ball). Dumbbell: the middle of the neck, which is just deep enough; tube and bean: on their middle.
+  /// inscribed ball). Dumbbell: the middle of the neck, which is just deep enough; tube and bean: on their middle;
+  /// torus: a point of the circle inside its tube.
   Vec3 natural_center{0, 0, 0};
   double shell_thickness_mm = 0.0;  ///< as used; 0 for a solid
   std::vector<SeedDraw> seeds;      ///< eight draws that belong to settings.seed

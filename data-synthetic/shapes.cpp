@@ -16,6 +16,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kTiny = 1e-12;
 constexpr double kMaxElongation = 20.0;  // truth meshes of longer shapes would not fit their triangle budget
+constexpr double kTorusBlend = 0.25;     // of the minor radius: the groove between the two tubes stays resolvable
+constexpr double kMinTorusRatio = 1.4;   // the blend narrows the holes by up to a quarter of the minor radius
 
 struct Legendre {
   double value, slope;
@@ -99,6 +101,29 @@ LevelSample level_of(const TubeShape& s, const Vec3& x) {
   return {distance - s.radius, from_arc / distance};
 }
 
+/// Distance to the tube's centre circle of radius `major` in the plane z = 0, whose middle is (`offset`, 0, 0).
+LevelSample ring_distance(double major, double offset, const Vec3& x) {
+  Vec3 in_plane(x.x() - offset, x.y(), 0.0);
+  if (in_plane.norm() < kTiny) in_plane.x() = kTiny;  // on the axis every direction is as good as another
+  const double rho = in_plane.norm();
+  const Vec3 from_ring = in_plane * (1.0 - major / rho) + Vec3(0, 0, x.z());
+  const double distance = std::max(from_ring.norm(), kTiny);
+  return {distance, from_ring / distance};
+}
+
+LevelSample level_of(const TorusShape& s, const Vec3& x) {
+  const LevelSample ring = ring_distance(s.major, 0.0, x);
+  return {ring.value - s.minor, ring.gradient};
+}
+
+LevelSample level_of(const DoubleTorusShape& s, const Vec3& x) {
+  const LevelSample a = ring_distance(s.major, s.major, x), b = ring_distance(s.major, -s.major, x);
+  const double lower = std::min(a.value, b.value);
+  const double exp_a = std::exp((lower - a.value) / s.blend), exp_b = std::exp((lower - b.value) / s.blend);
+  const double sum = exp_a + exp_b;
+  return {lower - s.minor - s.blend * std::log(sum), (exp_a * a.gradient + exp_b * b.gradient) / sum};
+}
+
 Vec3 bounds_of(const EllipsoidShape& s) {
   return s.half_axes;
 }
@@ -122,69 +147,11 @@ Vec3 bounds_of(const TubeShape& s) {
   return Vec3(std::max(high, low), side, 0) + Vec3::Constant(s.radius);
 }
 
-double volume_of_shape(const EllipsoidShape& s) {
-  return 4.0 / 3.0 * kPi * s.half_axes.prod();
+Vec3 bounds_of(const TorusShape& s) {
+  return Vec3(s.major, s.major, 0) + Vec3::Constant(s.minor);
 }
-
-double volume_of_shape(const SuperquadricShape& s) {
-  // Sections are super-ellipses of area A (1 - |z|^3)^(2/3), A = 4 G(5/4)^2 / G(3/2); the integral is a beta function.
-  const double section = 4.0 * std::pow(std::tgamma(1.25), 2) / std::tgamma(1.5);
-  return s.half_axes.prod() * section * 2.0 * std::tgamma(4.0 / 3.0) * std::tgamma(5.0 / 3.0);
-}
-
-/// Integral of f over [-1, 1] by the tanh-sinh rule: nodes crowd at both ends, so roots there do no harm.
-template <class F>
-double integrate(const F& f) {
-  constexpr double kStep = 1.0 / 32.0;
-  double sum = 0.0;
-  for (int k = -110; k <= 110; ++k) {
-    const double s = kPi / 2.0 * std::sinh(k * kStep), c = std::cosh(s);
-    sum += f(std::tanh(s)) * kPi / 2.0 * std::cosh(k * kStep) / (c * c);
-  }
-  return sum * kStep;
-}
-
-double volume_of_shape(const BlobShape& s) {
-  // Integral of r^3 / 3 over the sphere: a polynomial of degree 15 in the direction, so 32 angles are exact.
-  constexpr int kAngles = 32;
-  const auto ring = [&](double z) {
-    const double rho = std::sqrt(std::max(0.0, 1.0 - z * z));
-    double sum = 0.0;
-    for (int k = 0; k < kAngles; ++k) {
-      const double phi = 2.0 * kPi * k / kAngles;
-      const double r = -level_of(s, Vec3(rho * std::cos(phi), rho * std::sin(phi), z)).value + 1.0;
-      sum += r * r * r / 3.0;
-    }
-    return sum * 2.0 * kPi / kAngles;
-  };
-  return integrate(ring);
-}
-
-double volume_of_shape(const BeanShape& s) {
-  return volume_of_shape(EllipsoidShape{s.half_axes});
-}
-
-/// The positive root along the ray from `x` (inside) in a unit direction, by bisection.
-double root_along(const DumbbellShape& s, const Vec3& x, const Vec3& direction) {
-  double lo = 0.0, hi = 2.0 * (s.ball_offset + s.ball_radius + s.blend);
-  for (int k = 0; k < 80; ++k) {
-    const double mid = 0.5 * (lo + hi);
-    (level_of(s, x + mid * direction).value < 0 ? lo : hi) = mid;
-  }
-  return lo;
-}
-
-double volume_of_shape(const DumbbellShape& s) {
-  const double length = root_along(s, Vec3::Zero(), Vec3::UnitX());
-  const auto section = [&](double t) {
-    const double rho = root_along(s, Vec3(t * length, 0, 0), Vec3::UnitY());
-    return kPi * rho * rho * length;
-  };
-  return integrate(section);
-}
-
-double volume_of_shape(const TubeShape& s) {  // Pappus, and two half balls
-  return kPi * s.radius * s.radius * (2.0 * s.half_angle * s.arc_radius + 4.0 / 3.0 * s.radius);
+Vec3 bounds_of(const DoubleTorusShape& s) {
+  return Vec3(2.0 * s.major, s.major, 0) + Vec3::Constant(s.minor + s.blend * std::numbers::ln2);
 }
 
 BlobShape draw_blob(double radius, double amplitude, std::uint64_t seed) {
@@ -209,12 +176,37 @@ BlobShape draw_blob(double radius, double amplitude, std::uint64_t seed) {
   return blob;
 }
 
+void check_radius(const std::string& name, const std::vector<double>& radius) {
+  const auto refuse = [&](const std::string& rule) {
+    throw UsageError(fmt::format("bad radius (--radius {}): {}", fmt::join(radius, ","), rule));
+  };
+  const bool torus = shape_genus(name) > 0;
+  const std::size_t most = torus ? 2 : (shape_has_half_axes(name) ? 3 : 1);
+  const bool valid = std::all_of(radius.begin(), radius.end(), [](double r) { return std::isfinite(r) && r > 0.0; });
+  if (!valid || (radius.size() != 1 && radius.size() != most)) {
+    const char* takes = torus ? "one scale or MAJOR,MINOR" : (most == 3 ? "one scale or three half axes" : "one value");
+    refuse(fmt::format("shape '{}' takes {}, in mm and above 0", name, takes));
+  }
+  const auto [shortest, longest] = std::minmax_element(radius.begin(), radius.end());
+  if (*longest > kMaxElongation * *shortest) {
+    refuse(fmt::format("the longest may be at most {} times the shortest", kMaxElongation));
+  }
+  if (radius.size() == 2 && radius[0] < kMinTorusRatio * radius[1]) {
+    refuse(fmt::format("MAJOR must be at least {} times MINOR, else the hole closes", kMinTorusRatio));
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& shape_names() {
-  static const std::vector<std::string> names{"sphere", "ellipsoid", "superquadric", "blob",
-                                              "bean",   "dumbbell",  "tube"};
+  static const std::vector<std::string> names{"sphere",   "ellipsoid", "superquadric", "blob",        "bean",
+                                              "dumbbell", "tube",      "torus",        "double-torus"};
   return names;
+}
+
+int shape_genus(const std::string& name) {
+  if (name == "double-torus") return 2;
+  return name == "torus" ? 1 : 0;
 }
 
 bool shape_has_half_axes(const std::string& name) {
@@ -225,27 +217,22 @@ Shape make_shape(const std::string& name, const std::vector<double>& radius, dou
   if (std::find(shape_names().begin(), shape_names().end(), name) == shape_names().end()) {
     throw UsageError(fmt::format("unknown shape (--shape {}): choose one of {}", name, fmt::join(shape_names(), ", ")));
   }
-  const bool valid = std::all_of(radius.begin(), radius.end(), [](double r) { return std::isfinite(r) && r > 0.0; });
-  const bool three = radius.size() == 3 && shape_has_half_axes(name);
-  if (!valid || (radius.size() != 1 && !three)) {
-    throw UsageError(fmt::format("bad radius (--radius {}): shape '{}' takes {}, in mm and above 0",
-                                 fmt::join(radius, ","), name,
-                                 shape_has_half_axes(name) ? "one scale or three half axes" : "one value"));
-  }
-  const auto [shortest, longest] = std::minmax_element(radius.begin(), radius.end());
-  if (*longest > kMaxElongation * *shortest) {
-    throw UsageError(fmt::format("bad radius (--radius {}): the longest half axis may be at most {} times the shortest",
-                                 fmt::join(radius, ","), kMaxElongation));
-  }
+  check_radius(name, radius);
   const double r = radius[0];
-  const auto axes = [&](const Vec3& ratio) { return three ? Vec3(radius[0], radius[1], radius[2]) : Vec3(r * ratio); };
+  const auto axes = [&](const Vec3& ratio) {
+    return radius.size() == 3 ? Vec3(radius[0], radius[1], radius[2]) : Vec3(r * ratio);
+  };
   if (name == "sphere") return EllipsoidShape{Vec3::Constant(r)};
   if (name == "ellipsoid") return EllipsoidShape{axes({1.0, 1.3, 0.75})};
   if (name == "superquadric") return SuperquadricShape{axes({1.0, 1.15, 0.85})};
   if (name == "blob") return draw_blob(r, amplitude, seed);
   if (name == "bean") return BeanShape{axes({1.45, 0.85, 0.8})};
   if (name == "dumbbell") return DumbbellShape{0.8 * r, 0.9 * r, 0.28 * r};
-  return TubeShape{0.5 * r, 1.1 * r, 1.25};
+  if (name == "tube") return TubeShape{0.5 * r, 1.1 * r, 1.25};
+  const bool two = radius.size() == 2;
+  if (name == "torus") return two ? TorusShape{r, radius[1]} : TorusShape{r, 0.4 * r};
+  const double major = two ? r : 0.7 * r, minor = two ? radius[1] : 0.3 * r;
+  return DoubleTorusShape{major, minor, kTorusBlend * minor};
 }
 
 LevelSample level(const Shape& shape, const Vec3& x) {
@@ -254,10 +241,6 @@ LevelSample level(const Shape& shape, const Vec3& x) {
 
 Vec3 half_bounds(const Shape& shape) {
   return std::visit([](const auto& s) { return bounds_of(s); }, shape);
-}
-
-double exact_volume(const Shape& shape) {
-  return std::visit([](const auto& s) { return volume_of_shape(s); }, shape);
 }
 
 double Body::distance_near(const Vec3& x_in_world) const {

@@ -53,16 +53,30 @@ struct TubeShape {
   double radius, arc_radius, half_angle;
 };
 
-using Shape = std::variant<EllipsoidShape, SuperquadricShape, BlobShape, BeanShape, DumbbellShape, TubeShape>;
+/// All points within `minor` of the circle of radius `major` about the z axis. Genus 1.
+struct TorusShape {
+  double major, minor;
+};
+/// Two such tori about the axes x = +-major, whose centre circles touch at the origin, joined as the dumbbell's balls
+/// are. Genus 2.
+struct DoubleTorusShape {
+  double major, minor, blend;
+};
+
+using Shape = std::variant<EllipsoidShape, SuperquadricShape, BlobShape, BeanShape, DumbbellShape, TubeShape,
+                           TorusShape, DoubleTorusShape>;
 
 /// Names that make_shape knows, in the order of the help text.
 const std::vector<std::string>& shape_names();
 /// True for shapes that take three half axes besides one scale.
 bool shape_has_half_axes(const std::string& name);
+/// Holes through the shape: 0, torus 1, double-torus 2.
+int shape_genus(const std::string& name);
 
 /// \param radius one value R: sphere of radius R, ellipsoid R (1, 1.3, 0.75), superquadric R (1, 1.15, 0.85), bean
 ///        R (1.45, 0.85, 0.8), blob of mean radius R, dumbbell of two balls 0.8 R at +-0.9 R, tube of thickness 0.5 R
-///        along an arc of radius 1.1 R; three values: the half axes, where the shape has them.
+///        along an arc of radius 1.1 R, torus R (1, 0.4), double torus R (0.7, 0.3); three values: the half axes, where
+///        the shape has them; two: MAJOR and MINOR radius of a torus, of each of the two.
 /// \param amplitude,seed of the blob: its largest relative deviation from the sphere, and what draws it.
 /// \throws UsageError for an unknown name or a radius that does not fit the shape.
 Shape make_shape(const std::string& name, const std::vector<double>& radius, double amplitude, std::uint64_t seed);
@@ -72,8 +86,8 @@ LevelSample level(const Shape& shape, const Vec3& x);
 /// A box that holds the shape, as half edges about the origin, mm.
 Vec3 half_bounds(const Shape& shape);
 
-/// mm^3. Closed form (sphere, ellipsoid, superquadric, bean, tube), or a quadrature that has converged to better
-/// than 1e-9 relative (blob, dumbbell).
+/// mm^3. Closed form (sphere, ellipsoid, superquadric, bean, tube, torus), or a quadrature that has converged to better
+/// than 1e-9 relative (blob, dumbbell, double torus).
 double exact_volume(const Shape& shape);
 
 /// A shape placed in the world: x_in_world = center + world_from_shape * x_in_shape, a rotation.

@@ -34,6 +34,8 @@ EvaluationInput read_json_evidence(const fs::path& path) {
     fs::path beside = path;
     evidence.kind = "phantom";
     evidence.labels = read_labels(beside.replace_extension(".nii.gz"));
+    // Objects of a cluster may overlap: the labels say what is whose, the volumes of the whole are counted.
+    if (json.contains("shape") && json["shape"] == "cluster") return evidence;
     evidence.mesh = read_mesh(beside.replace_extension("").replace_extension(".ply"));
     if (!json.contains("exact_volume_ml") || !json["exact_volume_ml"].is_number()) {
       throw BadData(

@@ -22,8 +22,8 @@ struct EvaluationInput {
   std::optional<double> exact_volume_ml;
 };
 
-/// By extension: meshes; .json (a model, or a phantom's truth with its .nii.gz and .ply beside it); else a label map.
-/// \throws NoInput, BadData.
+/// By extension: meshes; .json (a model, or a phantom's truth with its .nii.gz and, but for a cluster, .ply beside it);
+/// else a label map. \throws NoInput, BadData.
 EvaluationInput read_evaluation_input(const std::filesystem::path& path);
 
 /// Rule for empty masks: both empty: dice and iou 1, volume error 0; one empty: dice and iou 0, no volume error against

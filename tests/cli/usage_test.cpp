@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "../image/corpus.h"
 #include "run_program.h"
 
@@ -119,32 +122,38 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     All, WrongFlags,
-    testing::Values(WrongFlag{{}, 64, "see 'pellicle --help'"}, WrongFlag{{"--fast"}, 64, "see 'pellicle --help'"},
-                    WrongFlag{{"melt"}, 64, "'melt' is no subcommand"}, WrongFlag{{"segment"}, 64, "-i"},
-                    WrongFlag{{"segment", "-i", "{IN}"}, 64, "-o"},
-                    WrongFlag{{"segment", "-i", "{DIR}/absent.nii", "-o", "{OUT}"}, 66, "absent.nii"},
-                    WrongFlag{{"segment", "-i", "{IN}", "-o", "{DIR}/plain_file"}, 73, "plain_file"},
-                    WrongFlag{{"segment", "-i", "{IN}", "-o", "{DIR}/plain_file/deeper"}, 73, "plain_file"},
-                    WrongFlag{{"segment", "-i", "{IN}", "-o", "/proc/nowhere"}, 73, "/proc"},
-                    WrongFlag{{"info", "{DIR}/absent.nii"}, 66, "absent.nii"},
-                    WrongFlag{{"info", "{DIR}/not_a_mesh.ply"}, 65, "not_a_mesh.ply"}, WrongFlag{{"info"}, 64, "FILE"},
-                    WrongFlag{{"evaluate", "{IN}"}, 64, "RESULT"},
-                    WrongFlag{{"evaluate", "{IN}", "{DIR}/absent.ply"}, 66, "absent.ply"},
-                    WrongFlag{{"evaluate", "{IN}", "{DIR}/broken.json"}, 65, "broken.json"},
-                    WrongFlag{{"evaluate", "{IN}", "{IN}", "--tolerance-mm", "-1"}, 64, "tolerance-mm"},
-                    WrongFlag{{"export", "{DIR}/absent.json", "--mesh", "{OUT}.ply"}, 66, "absent.json"},
-                    WrongFlag{{"export", "{DIR}/not_a_model.json", "--mesh", "{OUT}.ply"}, 65, "not_a_model.json"},
-                    WrongFlag{{"export", "{DIR}/not_a_model.json"}, 64, "nothing to export"},
-                    WrongFlag{{"export", "{DIR}/not_a_model.json", "--mask", "{OUT}.nii.gz"}, 64, "--like"},
-                    WrongFlag{{"export", "{DIR}/not_a_model.json", "--mesh", "{OUT}.doc"}, 64, "doc"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "donkey"}, 64, "donkey"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--size", "1,2"}, 64, "--size"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--noise", "pink"}, 64, "pink"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--fill", "half"}, 64, "half"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--radius", "-3"}, 64, "radius"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--bias", "2"}, 64, "bias"},
-                    WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--contrast", "1"}, 64, "--contrast"},
-                    WrongFlag{{"phantom", "-o", "{OUT}"}, 64, "--name"}));
+    testing::Values(
+        WrongFlag{{}, 64, "see 'pellicle --help'"}, WrongFlag{{"--fast"}, 64, "see 'pellicle --help'"},
+        WrongFlag{{"melt"}, 64, "'melt' is no subcommand"}, WrongFlag{{"segment"}, 64, "-i"},
+        WrongFlag{{"segment", "-i", "{IN}"}, 64, "-o"},
+        WrongFlag{{"segment", "-i", "{DIR}/absent.nii", "-o", "{OUT}"}, 66, "absent.nii"},
+        WrongFlag{{"segment", "-i", "{IN}", "-o", "{DIR}/plain_file"}, 73, "plain_file"},
+        WrongFlag{{"segment", "-i", "{IN}", "-o", "{DIR}/plain_file/deeper"}, 73, "plain_file"},
+        WrongFlag{{"segment", "-i", "{IN}", "-o", "/proc/nowhere"}, 73, "/proc"},
+        WrongFlag{{"info", "{DIR}/absent.nii"}, 66, "absent.nii"},
+        WrongFlag{{"info", "{DIR}/not_a_mesh.ply"}, 65, "not_a_mesh.ply"}, WrongFlag{{"info"}, 64, "FILE"},
+        WrongFlag{{"evaluate", "{IN}"}, 64, "RESULT"},
+        WrongFlag{{"evaluate", "{IN}", "{DIR}/absent.ply"}, 66, "absent.ply"},
+        WrongFlag{{"evaluate", "{IN}", "{DIR}/broken.json"}, 65, "broken.json"},
+        WrongFlag{{"evaluate", "{IN}", "{IN}", "--tolerance-mm", "-1"}, 64, "tolerance-mm"},
+        WrongFlag{{"export", "{DIR}/absent.json", "--mesh", "{OUT}.ply"}, 66, "absent.json"},
+        WrongFlag{{"export", "{DIR}/not_a_model.json", "--mesh", "{OUT}.ply"}, 65, "not_a_model.json"},
+        WrongFlag{{"export", "{DIR}/not_a_model.json"}, 64, "nothing to export"},
+        WrongFlag{{"export", "{DIR}/not_a_model.json", "--mask", "{OUT}.nii.gz"}, 64, "--like"},
+        WrongFlag{{"export", "{DIR}/not_a_model.json", "--mesh", "{OUT}.doc"}, 64, "doc"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "donkey"}, 64, "donkey"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--size", "1,2"}, 64, "--size"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--noise", "pink"}, 64, "pink"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--fill", "half"}, 64, "half"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--radius", "-3"}, 64, "radius"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--bias", "2"}, 64, "bias"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--contrast", "1"}, 64, "--contrast"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "torus", "--radius", "9,8"}, 64, "9,8"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--count", "3"}, 64, "--count"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "cluster", "--fill", "shell"}, 64, "--fill"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "cluster", "--radius", "1,2,3"}, 64, "MIN,MAX"},
+        WrongFlag{{"phantom", "-o", "{OUT}", "--name", "a", "--shape", "cluster", "--count", "0"}, 64, "--count 0"},
+        WrongFlag{{"phantom", "-o", "{OUT}"}, 64, "--name"}));
 
 // Each broken volume of the corpus, given to the main command.
 TEST(BadFiles, OneLineTheRightCodeAndNoOutput) {
@@ -181,6 +190,38 @@ TEST(BadFiles, ErrorsAsJsonLines) {
   EXPECT_EQ(line_count(outcome.err), 1);
   EXPECT_THAT(outcome.err, testing::StartsWith("{\"time\":"));
   EXPECT_THAT(outcome.err, testing::HasSubstr("pellicle: error: "));
+}
+
+TEST(Phantoms, OfHigherGenusAndManyObjectsAreTheirOwnTruth) {
+  const Scratch scratch;
+  const auto make = [&scratch](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"phantom", "-o", scratch("out"), "--size", "40", "--snr", "8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments, scratch);
+  };
+  const auto scores = [&scratch](const std::string& stem) {
+    const Outcome outcome =
+        run({"evaluate", scratch("out/" + stem + "_truth.json"), scratch("out/" + stem + "_truth.nii.gz"), "--multi",
+             "--json", scratch(stem + ".json")},
+            scratch);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(read_text(scratch / (stem + ".json")));
+  };
+  const Outcome torus = make({"--name", "ring", "--shape", "torus", "--radius", "11,4", "--fill", "shell"});
+  EXPECT_EQ(torus.exit_code, 0) << torus.err;
+  EXPECT_THAT(torus.out, testing::StartsWith("torus 3.4741 ml"));  // 2 pi^2 11 16 mm^3
+  EXPECT_LE(std::abs(scores("ring")["volume_error"].get<double>()), 0.02);
+  const Outcome two = make({"--name", "two", "--shape", "double-torus", "--radius", "11"});
+  EXPECT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_THAT(run({"info", scratch("out/two_truth.ply")}, scratch).out, testing::ContainsRegex("genus +2"));
+  const Outcome many =
+      make({"--name", "many", "--shape", "cluster", "--count", "9", "--radius", "3,5", "--contrast-range", "0.5,1"});
+  EXPECT_EQ(many.exit_code, 0) << many.err;
+  EXPECT_THAT(many.out, testing::StartsWith("cluster of 9 "));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out/many_truth.ply"));
+  const auto json = scores("many");
+  EXPECT_EQ(json["dice"].get<double>(), 1.0);
+  EXPECT_EQ(json["labels"].size(), 9U);
 }
 
 TEST(Help, GoesToStdoutWithCodeZero) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
@@ -54,10 +56,76 @@ TEST(Cluster, SameBytesForAnyThreadCountAndAnotherSeedDiffers) {
   EXPECT_NE(make_cluster(s).truth.voxels, all.truth.voxels);
 }
 
-TEST(Cluster, TooManyObjectsAreRefused) {
+TEST(Cluster, ContrastsFillTheirRange) {
   ClusterSettings s = small_cluster();
-  s.count = 500;
-  EXPECT_THROW(make_cluster(s), UsageError);
+  s.count = 40;
+  s.radius_min = s.radius_max = 1.5;
+  s.contrast_max = 0.8;
+  const Cluster cluster = make_cluster(s);
+  const auto [low, high] = std::minmax_element(cluster.contrast.begin(), cluster.contrast.end());
+  EXPECT_GE(*low, 0.2);
+  EXPECT_LE(*low, 0.25);
+  EXPECT_GE(*high, 0.65);
+  EXPECT_LE(*high, 0.8);
+}
+
+TEST(Cluster, SeedsLieInTheirObjects) {
+  const Cluster cluster = make_cluster(small_cluster());
+  ASSERT_EQ(cluster.seeds.size(), cluster.bodies.size());
+  for (std::size_t i = 0; i < cluster.bodies.size(); ++i) {
+    EXPECT_LT(cluster.bodies[i].level_at(cluster.seeds[i].center).value, 0.0);
+    const Vec3 index = cluster.truth.grid.index_from_world(cluster.seeds[i].center);
+    const int label =
+        cluster.truth.at(static_cast<int>(std::lround(index.x())), static_cast<int>(std::lround(index.y())),
+                         static_cast<int>(std::lround(index.z())));
+    EXPECT_EQ(label, static_cast<int>(i) + 1);
+  }
+}
+
+TEST(Cluster, TruthJsonRebuildsEveryObject) {
+  const Cluster cluster = make_cluster(small_cluster());
+  const auto json = nlohmann::json::parse(truth_json(cluster));
+  EXPECT_EQ(json["shape"], "cluster");
+  EXPECT_EQ(json["settings"]["count"], 8);
+  ASSERT_EQ(json["objects"].size(), 8U);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const auto& object = json["objects"][i];
+    EXPECT_EQ(object["label"].get<std::size_t>(), i + 1);
+    EXPECT_EQ(object["contrast"].get<double>(), cluster.contrast[i]);
+    const auto vec = [](const nlohmann::json& v) {
+      return Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+    };
+    // The tip of each half axis lies on the exact surface.
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Vec3 tip = vec(object["center"]) + object["half_axes"][a].get<double>() * vec(object["axes"][a]);
+      EXPECT_LE(std::abs(cluster.bodies[i].distance_near(tip)), 1e-12);
+    }
+    sum += object["exact_volume_ml"].get<double>();
+  }
+  EXPECT_NEAR(json["exact_volume_ml"].get<double>(), sum, 1e-12);
+}
+
+TEST(Cluster, RefusesWhatDoesNotFitWithTheFlagAndTheRule) {
+  const auto message = [](const auto& change) -> std::string {
+    ClusterSettings s = small_cluster();
+    change(s);
+    try {
+      make_cluster(s);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  using S = ClusterSettings;
+  EXPECT_NE(message([](S& s) { s.count = 500; }).find("no room for all objects (--count 500)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.count = 0; }).find("(--count 0)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.radius_max = 1.0; }).find("(--radius 3,1)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.radius_max = 50.0, s.radius_min = 49; }).find("(--size 80,72,40)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.elongation = 0.5; }).find("(--elongation 0.5)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.distance = std::nan(""); }).find("(--distance nan)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.contrast_min = 2.0; }).find("(--contrast-range 2,1)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.image.bias = 1.0; }).find("--bias 1"), std::string::npos);
 }
 
 }  // namespace

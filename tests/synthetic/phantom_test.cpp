@@ -9,6 +9,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
+#include "test_names.h"
 
 namespace pellicle {
 namespace {
@@ -27,8 +28,7 @@ double mask_volume(const Phantom& phantom) {
 }
 
 class EveryPhantom : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, EveryPhantom, testing::ValuesIn(shape_names()),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryPhantom, testing::ValuesIn(shape_names()), shape_test_name);
 
 TEST_P(EveryPhantom, OtherGridsSeeTheSameObject) {
   PhantomSettings settings = small(GetParam());

@@ -9,6 +9,7 @@
 #include "pellicle/synthetic/box_fraction.h"
 #include "pellicle/synthetic/implicit_mesh.h"
 #include "pellicle/synthetic/inner_ball.h"
+#include "test_names.h"
 
 namespace pellicle {
 namespace {
@@ -114,8 +115,7 @@ TEST_P(BlurredBall, EqualsTheClosedFormInEveryVoxel) {
 }
 
 class RenderedShape : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, RenderedShape, testing::ValuesIn(shape_names()),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Shapes, RenderedShape, testing::ValuesIn(shape_names()), shape_test_name);
 
 TEST_P(RenderedShape, FractionsAddUpToTheExactVolume) {
   const Body body{make_shape(GetParam(), {14.0}, 0.35, 9),
@@ -152,6 +152,25 @@ TEST_P(RenderedShape, MaskEqualsTheSignAtEveryVoxelCentre) {
   }
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(inside, 500);
+}
+
+/// Voxel centres inside and mean fractions: both tell the exact volume, the better the finer the voxels.
+TEST(RenderedTori, MaskAndFractionsConvergeToTheExactVolume) {
+  for (const std::string name : {"torus", "double-torus"}) {
+    const Body body{make_shape(name, {14.0}, 0.35, 9),
+                    Eigen::AngleAxisd(0.9, Vec3(1, 1, -1).normalized()).toRotationMatrix(), Vec3(0.2, 0.1, -0.3)};
+    const TriangleMesh surface = mesh_of(body, mesh_cell(body.shape));
+    const double exact = exact_volume(body.shape);
+    for (const double h : {2.4, 1.2, 0.6}) {
+      const int n = static_cast<int>(std::ceil(60.0 / h));
+      const ImageGrid grid = centred_grid({n, n, n}, Vec3::Constant(h), Mat3::Identity());
+      double inside = 0.0, fraction = 0.0;
+      for (const std::uint8_t value : mask_of(body, surface, grid).voxels) inside += value;
+      for (const float value : fraction_of(body, surface, grid, 0.0, 0.8).voxels) fraction += value;
+      EXPECT_LE(std::abs(inside * grid.voxel_volume() / exact - 1.0), 0.006 * std::pow(h / 1.2, 1.5)) << name << h;
+      EXPECT_LE(std::abs(fraction * grid.voxel_volume() / exact - 1.0), 1e-3 * h * h) << name << h;
+    }
+  }
 }
 
 /// A membrane's volume is known: the difference of two balls; of a smooth surface to second order, area * thickness.

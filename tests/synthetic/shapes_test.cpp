@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
+#include "pellicle/image/image_grid.h"
+#include "test_names.h"
 
 namespace pellicle {
 namespace {
@@ -17,8 +20,7 @@ class EveryShape : public testing::TestWithParam<std::string> {
  protected:
   Shape shape_ = make_shape(GetParam(), {7.0}, 0.35, 3);
 };
-INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, testing::ValuesIn(shape_names()),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, testing::ValuesIn(shape_names()), shape_test_name);
 
 Vec3 draw_in_box(RandomEngine& random, const Vec3& half) {
   return {random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y()),
@@ -92,12 +94,45 @@ TEST(ShapeVolumes, ClosedForms) {
   EXPECT_NEAR(exact_volume(make_shape("sphere", {2.0}, 0.3, 1)), 32.0 / 3.0 * kPi, 1e-12);
   EXPECT_NEAR(exact_volume(make_shape("ellipsoid", {1.0, 2.0, 3.0}, 0.3, 1)), 8.0 * kPi, 1e-12);
   EXPECT_NEAR(exact_volume(make_shape("bean", {1.0, 2.0, 3.0}, 0.3, 1)), 8.0 * kPi, 1e-12);
+  EXPECT_NEAR(exact_volume(make_shape("torus", {3.0, 1.0}, 0.3, 1)), 6.0 * kPi * kPi, 1e-12);
   // One ball when the blend and the distance of the two vanish: the quadrature meets the closed form.
   EXPECT_NEAR(exact_volume(DumbbellShape{1.5, 0.0, 1e-9}), 4.5 * kPi, 1e-7);
   EXPECT_NEAR(exact_volume(BlobShape{2.0, 1.0, {}}), 32.0 / 3.0 * kPi, 1e-10);
   // (1 + c P_2)^3 / 3 over the sphere: 4 pi (1/3 + c^2/5 + 2 c^3/105).
   EXPECT_NEAR(exact_volume(BlobShape{1.0, 1.3, {{2, Vec3::UnitX(), 0.3}}}),
               4.0 * kPi * (1.0 / 3.0 + 0.09 / 5.0 + 2.0 * 0.027 / 105.0), 1e-10);
+}
+
+/// Counted on a fine lattice, which knows nothing of sections and heights.
+TEST(ShapeVolumes, OfTheDoubleTorusAgreesWithALattice) {
+  const Shape shape = make_shape("double-torus", {2.0, 0.8}, 0.3, 1);
+  const Vec3 half = half_bounds(shape);
+  constexpr double kStep = 0.02;
+  const Index3 n{static_cast<int>(half.x() / kStep) + 1, static_cast<int>(half.y() / kStep) + 1,
+                 static_cast<int>(half.z() / kStep) + 1};
+  double sum = 0.0;  // of the octant, each cell by its plane
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        const LevelSample s = level(shape, kStep * (Vec3(i, j, k) + Vec3::Constant(0.5)));
+        sum += std::clamp(0.5 - s.value / (s.gradient.norm() * kStep), 0.0, 1.0);
+      }
+    }
+  }
+  EXPECT_LE(std::abs(8.0 * sum * kStep * kStep * kStep / exact_volume(shape) - 1.0), 2e-4);
+}
+
+TEST(Tori, HaveTheirHoles) {
+  const Shape torus = make_shape("torus", {1.0}, 0.35, 1), both = make_shape("double-torus", {2.0, 0.8}, 0.35, 1);
+  EXPECT_GT(level(torus, {0, 0, 0}).value, 0.0);
+  EXPECT_LT(level(torus, {0, 1, 0}).value, 0.0);
+  EXPECT_NEAR(level(torus, {0, 1, 0.4}).value, 0.0, 1e-12);
+  EXPECT_LT(level(both, {0, 0, 0}).value, 0.0);
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_GT(level(both, {2.0 * side, 0, 0}).value, 0.0);
+    EXPECT_LT(level(both, {2.0 * side, 2.0, 0}).value, 0.0);
+    EXPECT_LT(level(both, {4.0 * side, 0, 0}).value, 0.0);
+  }
 }
 
 TEST(Blob, HasItsAmplitudeAndComesFromItsSeed) {
@@ -134,6 +169,10 @@ TEST(MakeShape, RefusesWhatDoesNotFit) {
   EXPECT_THROW(make_shape("sphere", {1, 2, 3}, 0.3, 1), UsageError);
   EXPECT_THROW(make_shape("ellipsoid", {1, 2}, 0.3, 1), UsageError);
   EXPECT_THROW(make_shape("ellipsoid", {1, 2, 100}, 0.3, 1), UsageError);
+  EXPECT_THROW(make_shape("torus", {1, 2}, 0.3, 1), UsageError);
+  EXPECT_THROW(make_shape("torus", {30, 20, 10}, 0.3, 1), UsageError);
+  EXPECT_THROW(make_shape("double-torus", {100, 2}, 0.3, 1), UsageError);
+  EXPECT_THROW(make_shape("sphere", {2, 1}, 0.3, 1), UsageError);
   EXPECT_THROW(make_shape("sphere", {-1.0}, 0.3, 1), UsageError);
   EXPECT_THROW(make_shape("sphere", {std::nan("")}, 0.3, 1), UsageError);
 }
