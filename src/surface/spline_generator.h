@@ -25,8 +25,12 @@ class Generator {
   double slope_at_one() const { return slope_; }
 
  private:
-  bool keys_;
-  double theta_ = 0.0, slope_ = -0.5, S_ = 1.0, C_ = 0.5, Q_ = 0.0, K_ = 0.0;
+  GeneratorValue step_up(double r) const;
+  GeneratorValue end_slope(double r) const;
+
+  /// theta = pi/M; sinc(theta), (1 - cos theta)/theta^2, (theta - sin theta)/theta^3 and the difference of the last
+  /// two.
+  double theta_, slope_, sinc_, c2_, s3_, k_;
 };
 
 }  // namespace pellicle
