@@ -40,21 +40,17 @@ Eigen::MatrixXd resampled(const SplineAxis& from, const SplineAxis& to) {
   return result;
 }
 
-/// A direction on the reference sphere as parameters; `pole` 1 or -1 where u means nothing.
+/// A direction on the reference sphere as parameters; `pole` 1 or -1 where u means next to nothing.
 struct Direction {
   double u = 0.0, v = 0.0;
   int pole = 0;
   explicit Direction(const Vec3& d) {
     const double rho = std::hypot(d.x(), d.y());
-    constexpr double kPole = 1e-8;  // nearer, sigma_u / sin(pi v) cancels
-    if (rho < kPole) {
-      pole = d.z() > 0 ? 1 : -1;
-      v = d.z() > 0 ? 0.0 : 1.0;
-      return;
-    }
     u = std::atan2(d.y(), d.x()) / (2.0 * kPi);
     if (u < 0.0) u += 1.0;
     v = std::atan2(rho, d.z()) / kPi;
+    constexpr double kPole = 1e-8;  // nearer, sigma_u / sin(pi v) cancels
+    if (rho < kPole) pole = d.z() > 0.0 ? 1 : -1;
   }
 };
 
