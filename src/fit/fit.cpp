@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/base/errors.h"
 #include "pellicle/fit/evidence.h"
 #include "pellicle/fit/hypotheses.h"
 #include "pellicle/mesh/measure.h"
@@ -66,7 +67,7 @@ FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
   const auto* sphere = std::get_if<SeedSphere>(&seed);
   const SurfaceModel model = start_model(settings.model);
   FitResult result{sphere != nullptr
-                       ? Surface{model, affine_image(model, sphere->center, sphere->radius * Mat3::Identity())}
+                       ? Surface{model, on_ellipsoid(model, sphere->center, sphere->radius * Mat3::Identity())}
                        : std::get<Surface>(seed),
                    {}};
   result.summary.reason = "no edge in a quarter of the directions around the seed";
@@ -238,6 +239,12 @@ FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
                       const Progress& progress) {
   settings.validate();
+  for (const Seed& seed : seeds) {
+    const auto* surface = std::get_if<Surface>(&seed);
+    if (surface == nullptr || is_closed(surface->model)) continue;
+    throw UsageError(fmt::format("seed surface ({}): is open and encloses no object; start from a closed one",
+                                 model_name(surface->model)));
+  }
   GeometryCache geometry;
   const StageContext context{image, settings, geometry};
   const auto prefix = [&](std::size_t s) { return seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : std::string(); };

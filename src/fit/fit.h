@@ -80,7 +80,7 @@ using Progress = std::function<void(double share, const std::string& what)>;
 
 /// \param image whole volume, LPS mm.
 /// \param seeds one or more candidates for the same object (automatic seeding gives several); each is a hypothesis.
-/// \throws UsageError for settings that break a rule; Interrupted.
+/// \throws UsageError for settings that break a rule and for seeds that are open surfaces; Interrupted.
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
                       const Progress& progress = {});
 

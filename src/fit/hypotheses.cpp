@@ -15,7 +15,7 @@ namespace pellicle {
 namespace {
 
 FitState state_from(const SurfaceModel& model, const Vec3& centre, const Mat3& shape) {
-  FitState state{.surface = {model, affine_image(model, centre, shape)},
+  FitState state{.surface = {model, on_ellipsoid(model, centre, shape)},
                  .reading = {},
                  .levels = {},
                  .status = FitStatus::ok,
@@ -116,16 +116,6 @@ Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, co
   return hypothesis;
 }
 
-// How often a solid of at most 20 triangles would be split 1 -> 4 to have so many.
-int refinements_of(int triangles) {
-  int refinements = 0;
-  while (triangles > 20) {
-    triangles /= 4;
-    ++refinements;
-  }
-  return triangles == 16 ? refinements + 1 : refinements;
-}
-
 // A surface that is already near tells its levels and its polarity itself.
 Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, const FitSettings& settings,
                               const std::string& prefix) {
@@ -133,7 +123,7 @@ Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, co
                         .stages = stages_of(settings),
                         .certain = true};
   FitState& state = hypothesis.start;
-  state.detail = refinements_of(base_facets(seed.model));
+  state.detail = refinements_of(seed.model);
   GeometryCache geometry;
   const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
   SurfaceSamples samples;

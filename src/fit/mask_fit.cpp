@@ -19,7 +19,7 @@ Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& ch
   const Moments moments = moments_of(part);
   const SurfaceModel model = start_model(choice);
   FitState state{
-      .surface = {model, affine_image(model, moments.centroid, moments.shape)},
+      .surface = {model, on_ellipsoid(model, moments.centroid, moments.shape)},
       .reading = {.name = "mask", .sign = 1.0, .inside = 1.0, .outside = 0.0, .similarity = {}, .tissue = {}},
       .levels = {1.0, 0.0, {}, {}},
       .reason = {}};

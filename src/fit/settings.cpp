@@ -44,6 +44,9 @@ void Stage::validate() const {
 }
 
 void FitSettings::validate() const {
+  const SurfaceModel start = start_model(model);
+  require(is_closed(start), fmt::format("surface model (--model {}): is open and encloses no object; use a closed one",
+                                        model_name(start)));
   for (const Stage& stage : stages) stage.validate();
   validate_energies(energies, "--energy");
   require(!detail || (*detail >= 0 && *detail <= 4), fmt::format("--detail must be 0 to 4: {}", detail.value_or(0)));

@@ -194,13 +194,17 @@ void add_input_and_seed(std::vector<SettingKey>& keys) {
 }
 
 void add_model_and_energies(std::vector<SettingKey>& keys) {
-  keys.push_back(enum_key({"Model", "model", "normal", "surface model"}, FIELD(fit.model.kind)));
+  keys.push_back(
+      enum_key({"Model", "model", "normal|spline|spline-torus", "surface model; spline: exponential-spline sphere"},
+               FIELD(fit.model.kind)));
   keys.push_back(number_key(
       {"Model", "detail", "N", "refinements of the control mesh at most (0: as seeded); by default the fit decides"},
       FIELD(fit.detail)));
-  keys.push_back(enum_key({"Model", "rule", "smooth|published|balanced", "subdivision rule"}, FIELD(fit.model.rule)));
-  keys.push_back(enum_key({"Model", "start", "tetrahedron|octahedron|icosahedron", "solid of the first control mesh"},
-                          FIELD(fit.model.solid)));
+  keys.push_back(
+      enum_key({"Model", "rule", "smooth|published|balanced", "subdivision rule of normal"}, FIELD(fit.model.rule)));
+  keys.push_back(
+      enum_key({"Model", "start", "tetrahedron|octahedron|icosahedron", "solid of normal's first control mesh"},
+               FIELD(fit.model.solid)));
   keys.push_back(enum_key({"Model", "start-rule", "auto|sphere|rays|head",
                            "how a seed becomes a start: as it is, first edges along rays, or the brain in a head"},
                           FIELD(fit.start_rule)));

@@ -66,7 +66,11 @@ const Names<StartSolid>& names() {
 }
 template <>
 const Names<ModelKind>& names() {
-  static const Names<ModelKind> all{{ModelKind::normal, "normal"}};
+  static const Names<ModelKind> all{{ModelKind::normal, "normal"},
+                                    {ModelKind::spline, "spline"},
+                                    {ModelKind::spline_torus, "spline-torus"},
+                                    {ModelKind::spline_cylinder, "spline-cylinder"},
+                                    {ModelKind::spline_rectangle, "spline-rectangle"}};
   return all;
 }
 template <>

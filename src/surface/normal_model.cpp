@@ -205,6 +205,15 @@ std::vector<BlockKind> NormalModel::blocks() const {
   return result;
 }
 
+int NormalModel::refinements() const {
+  int triangles = base_facets(), count = 0;
+  while (triangles > 20) {
+    triangles /= 4;
+    ++count;
+  }
+  return triangles == 16 ? count + 1 : count;  // a split tetrahedron, where no solid has 16
+}
+
 SampleLayout NormalModel::layout(int level) const {
   if (level < 0 || level > kHighestLevel) {
     throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestLevel));

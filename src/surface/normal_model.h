@@ -42,6 +42,9 @@ class NormalModel {
   TriangleMesh control_mesh(const Parameters& parameters) const;
   std::string name() const { return "normal"; }
   int base_facets() const { return static_cast<int>(triangles_.size()); }
+  bool is_closed() const { return true; }
+  /// How often a start solid was split 1 -> 4 to have about so many triangles.
+  int refinements() const;
 
   SampleLayout layout(int level) const;
   /// Positions, limit normals and, when asked, Jacobians of all samples. Threads over patches, deterministic.

@@ -1,5 +1,6 @@
 #include "pellicle/surface/surface.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -24,6 +25,14 @@ SurfaceModel start_model(const ModelChoice& choice) {
   switch (choice.kind) {
     case ModelKind::normal:
       break;
+    case ModelKind::spline:
+      return start_spline(SplineTopology::sphere);
+    case ModelKind::spline_torus:
+      return start_spline(SplineTopology::torus);
+    case ModelKind::spline_cylinder:
+      return start_spline(SplineTopology::cylinder);
+    case ModelKind::spline_rectangle:
+      return start_spline(SplineTopology::rectangle);
   }
   return NormalModel::start(choice.solid, choice.rule);
 }
@@ -49,6 +58,51 @@ Parameters affine_image(const SurfaceModel& model, const Vec3& centre, const Mat
     block += 3;
   }
   return result;
+}
+
+namespace {
+
+/// Axes of the ellipsoid before the map, longest first (columns), and their lengths after it.
+Eigen::JacobiSVD<Mat3> axes_of(const Mat3& shape) {
+  return Eigen::JacobiSVD<Mat3>(shape, Eigen::ComputeFullU | Eigen::ComputeFullV);
+}
+
+/// Least rotation that takes the axis z to one of the directions +-d.
+Mat3 turned_to(const Vec3& d) {
+  return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), d.z() < 0.0 ? Vec3(-d) : d).toRotationMatrix();
+}
+
+Mat3 posed(const NormalModel&, const Mat3& shape) {
+  return shape;
+}
+
+Mat3 posed(const SplineModel& model, const Mat3& shape) {
+  const auto axes = axes_of(shape);
+  const Vec3 lengths = axes.singularValues();
+  const SplineSettings& settings = model.settings();
+  if (settings.topology == SplineTopology::sphere) {
+    constexpr double kRound = 1.0 + 1e-9;  // a ball has no longest axis
+    return lengths[0] <= kRound * lengths[2] ? shape : Mat3(shape * turned_to(axes.matrixV().col(0)));
+  }
+  if (settings.topology != SplineTopology::torus) return shape;
+  // A solid torus of radii 1, r has <x^2> = <y^2> = 1/2 + 3 r^2/8 and <z^2> = r^2/4; a ball a^2/5.
+  const double r2 = settings.reference_ratio * settings.reference_ratio;
+  const double across = std::sqrt(5.0 * (0.5 + 0.375 * r2)), along = std::sqrt(1.25 * r2);
+  return shape * turned_to(axes.matrixV().col(2)) * Vec3(1.0 / across, 1.0 / across, 1.0 / along).asDiagonal();
+}
+
+}  // namespace
+
+Parameters on_ellipsoid(const SurfaceModel& model, const Vec3& centre, const Mat3& shape) {
+  return affine_image(model, centre, std::visit([&](const auto& m) { return posed(m, shape); }, model));
+}
+
+int refinements_of(const SurfaceModel& model) {
+  return std::visit([](const auto& m) { return m.refinements(); }, model);
+}
+
+bool is_closed(const SurfaceModel& model) {
+  return std::visit([](const auto& m) { return m.is_closed(); }, model);
 }
 
 int degrees_of_freedom(const SurfaceModel& model) {

@@ -6,15 +6,17 @@
 
 #include "pellicle/mesh/triangle_mesh.h"
 #include "pellicle/surface/normal_model.h"
+#include "pellicle/surface/spline_model.h"
 
 namespace pellicle {
 
 /// One class of models each. All have blocks(), reference() (parameters of the reference shape, see SampleLayout),
 /// layout(level), evaluate(), pull_back(), refine(), base_facets() (triangles at level 0, about four times as many a
-/// level), degrees_of_freedom(), control_mesh(parameters) and name().
-using SurfaceModel = std::variant<NormalModel>;
+/// level), degrees_of_freedom(), refinements(), is_closed(), control_mesh(parameters) and name().
+using SurfaceModel = std::variant<NormalModel, SplineModel>;
 
-enum class ModelKind { normal };
+/// The open ones (cylinder, rectangle) enclose no volume: a fit to an image refuses them.
+enum class ModelKind { normal, spline, spline_torus, spline_cylinder, spline_rectangle };
 
 /// Which model a fit starts with.
 struct ModelChoice {
@@ -22,12 +24,17 @@ struct ModelChoice {
   StartSolid solid = StartSolid::tetrahedron;      ///< normal
   SubdivisionRule rule = SubdivisionRule::smooth;  ///< normal
 };
-/// Of the fewest control points; its reference shape is the unit sphere about the origin.
+/// Of the fewest control points; its reference shape is the unit sphere about the origin (`spline_torus`: a torus of
+/// major radius 1 and axis z).
 SurfaceModel start_model(const ModelChoice& choice);
 
 /// The image of the model's reference shape under x -> centre + A x: points centre + A p, vectors A v, normals
 /// unit(A^-T n). \throws BadData when the model has no reference shape.
 Parameters affine_image(const SurfaceModel& model, const Vec3& centre, const Mat3& A);
+/// The reference shape laid onto the ellipsoid centre + shape * (unit ball). Spheres: that ellipsoid, a spline's poles
+/// on its longest axis. Torus: the affine image with the same second moments (of solids), its hole along the shortest
+/// axis. \throws BadData when the model has no reference shape.
+Parameters on_ellipsoid(const SurfaceModel& model, const Vec3& centre, const Mat3& shape);
 
 /// A model and its unknowns: all that re-creates the surface exactly.
 struct Surface {
@@ -39,18 +46,21 @@ std::vector<BlockKind> blocks_of(const SurfaceModel& model);
 int control_point_count(const SurfaceModel& model);
 int base_facets(const SurfaceModel& model);
 int degrees_of_freedom(const SurfaceModel& model);
+/// How often a start model was refined to have about so many control points.
+int refinements_of(const SurfaceModel& model);
+bool is_closed(const SurfaceModel& model);
 SampleLayout layout_of(const SurfaceModel& model, int level);
 void evaluate(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
               SurfaceSamples& samples);
 void pull_back(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout,
                const std::vector<Vec3>& dE_dx, std::vector<double>& gradient);
 Surface refine(const Surface& surface);
-/// Closed mesh with limit normals, 2^level intervals along a control edge.
+/// Mesh with limit normals, closed when the model is, 2^level intervals along a control edge.
 TriangleMesh tessellate(const Surface& surface, int level);
 /// The level at which facet edges are about `edge_mm` long (root mean square) or shorter, at most 7.
 int tessellation_level(const Surface& surface, double edge_mm);
 /// The control mesh itself: control points, joined by facets, with normals where the model has them.
 TriangleMesh control_mesh_of(const Surface& surface);
-std::string model_name(const SurfaceModel& model);  ///< "normal", ...
+std::string model_name(const SurfaceModel& model);  ///< "normal", "spline", "spline-torus" ...
 
 }  // namespace pellicle

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "pellicle/base/errors.h"
-#include "shapes.h"
+#include "spline_cases.h"
 
 namespace pellicle {
 namespace {
@@ -151,6 +151,65 @@ TEST_F(ModelFile, RefusesWhatBreaksARuleAndNamesTheKey) {
       EXPECT_THAT(error.what(), testing::HasSubstr(message));
       EXPECT_THAT(error.what(), testing::HasSubstr("given.json"));
       EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    }
+  }
+}
+
+TEST_F(ModelFile, SplinesReadBackToTheSameBits) {
+  RandomEngine random(46);
+  for (const SplineModel& model : shapes::all_splines()) {
+    Surface surface{model, shapes::perturbed(model, 0.3, random)};
+    const double odd[] = {-0.0, 4.9e-324, 1.7976931348623157e308, 0.1 + 0.2, 1.0, -1e-300, 12345678901234567.0};
+    std::copy(std::begin(odd), std::end(odd), surface.parameters.begin());
+    write_model(file(), surface);
+    const Surface back = read_model(file());
+    EXPECT_TRUE(same_bits(surface.parameters, back.parameters));
+    EXPECT_EQ(std::get<SplineModel>(back.model).settings(), model.settings());
+    write_model(file("again.json"), back);
+    EXPECT_EQ(text_of(file()), text_of(file("again.json")));
+    const json document = json::parse(text_of(file()));
+    const json schema = json::parse(text_of(std::string(PELLICLE_SOURCE_DIR) + "/docs/model.schema.json"));
+    for (const auto& [key, value] : document.items()) EXPECT_TRUE(schema.at("properties").contains(key)) << key;
+  }
+}
+
+TEST_F(ModelFile, RefusesSplinesThatBreakARule) {
+  const SplineModel torus = start_spline(SplineTopology::torus);
+  write_model(file(), {torus, torus.reference()});
+  const json good = json::parse(text_of(file()));
+  struct Case {
+    const char* message;
+    std::function<void(json&)> spoil;
+  };
+  const std::vector<Case> cases{{"\"topology\" is \"knot\", must be one of sphere, torus, cylinder, rectangle",
+                                 [](json& j) { j["topology"] = "knot"; }},
+                                {"\"topology\" is missing", [](json& j) { j.erase("topology"); }},
+                                {"\"generator\" is \"cubic\"", [](json& j) { j["generator"] = "cubic"; }},
+                                {"\"m1\" must be a whole number", [](json& j) { j["m1"] = 6.5; }},
+                                {"\"m1\" is missing", [](json& j) { j.erase("m1"); }},
+                                {"\"m1\" is -6, out of range", [](json& j) { j["m1"] = -6; }},
+                                {"\"m2\" is -1, out of range", [](json& j) { j["m2"] = 18446744073709551615U; }},
+                                {"\"blocks\" has 24 entries, too few", [](json& j) { j["m1"] = 2000000000; }},
+                                {"\"blocks\" has 24 entries, must have 20", [](json& j) { j["m1"] = 5; }},
+                                {"\"blocks\" has 23 entries, must have 24", [](json& j) { j["blocks"].erase(3); }},
+                                {"\"blocks\" entry 3: must be a list of 3", [](json& j) { j["blocks"][3] = 1; }},
+                                {"\"blocks\" is missing", [](json& j) { j.erase("blocks"); }},
+                                {"spline torus (m2 = 3)", [](json& j) { j["m2"] = 3; }},
+                                {"\"reference_ratio\" is missing", [](json& j) { j.erase("reference_ratio"); }},
+                                {"\"reference_ratio\" must be a number", [](json& j) { j["reference_ratio"] = "0.4"; }},
+                                {"reference ratio 1.5", [](json& j) { j["reference_ratio"] = 1.5; }},
+                                {"\"unit\" must be \"mm\"", [](json& j) { j["unit"] = "m"; }},
+                                {"\"blocks\" has 24 entries, must have 26",
+                                 [](json& j) { j["topology"] = "sphere", j["m1"] = 10, j["m2"] = 3; }}};
+  for (const auto& [message, spoil] : cases) {
+    json bad = good;
+    spoil(bad);
+    try {
+      read_model(written(bad.dump()));
+      ADD_FAILURE() << "accepted, expected: " << message;
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(message));
+      EXPECT_THAT(error.what(), testing::HasSubstr("given.json"));
     }
   }
 }
