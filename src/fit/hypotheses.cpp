@@ -116,51 +116,84 @@ Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, co
   return hypothesis;
 }
 
-// A surface that is already near tells its levels and its polarity itself.
-Hypothesis surface_hypothesis(const Image<float>& image, const Surface& seed, const FitSettings& settings,
-                              const std::string& prefix) {
-  Hypothesis hypothesis{.start = {.surface = seed, .reading = {}, .levels = {}, .reason = {}},
-                        .stages = stages_of(settings),
-                        .certain = true};
-  FitState& state = hypothesis.start;
-  state.detail = refinements_of(seed.model);
-  GeometryCache geometry;
-  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
-  SurfaceSamples samples;
-  evaluate(seed.model, seed.parameters, g.layout, false, samples);
-  state.start_volume = facet_volume(g.layout, samples.x);
+// Levels and polarity as a surface tells them, from bands of its profiles between the given depths (mm, inside) and
+// heights (outside).
+struct Bands {
+  double inside_near, inside_far, outside_near, outside_far;
+};
+
+void read_levels(const Image<float>& image, const FitSettings& settings, const SurfaceSamples& samples,
+                 const Bands& bands, FitState& state) {
   const double h = image.grid.mean_spacing();
+  const double reach = std::max(bands.inside_far, bands.outside_far);
   const Reading plain;
-  WorkingImage working(image, plain, 1.0, h, 6.0 * h);
+  WorkingImage working(image, plain, 1.0, h, reach + h);
   working.cover(samples.x);
-  const Profiles profiles =
-      sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 5.0 * h, 0.5 * h);
+  const Profiles profiles = sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, reach, reach,
+                                            std::max(0.5 * h, reach / 40.0));
   std::vector<double> in, out, top;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
-    in.push_back(band_median(profiles, i, -5.0 * h, -1.5 * h));
-    out.push_back(band_median(profiles, i, 1.5 * h, 5.0 * h));
+    in.push_back(band_median(profiles, i, -bands.inside_far, -bands.inside_near));
+    out.push_back(band_median(profiles, i, bands.outside_near, bands.outside_far));
     top.push_back(band_median(profiles, i, -0.5 * h, 0.5 * h));
   }
-  state.reading.name = prefix + "seed surface";
   state.reading.ridge = settings.boundary == Boundary::ridge;
   state.reading.inside = median_of(state.reading.ridge ? top : in);
   state.reading.outside = median_of(out);
   state.reading.sign = state.reading.inside >= state.reading.outside ? 1.0 : -1.0;
   if (settings.polarity != Polarity::automatic) state.reading.sign = settings.polarity == Polarity::bright ? 1.0 : -1.0;
   state.levels = {state.reading.inside, state.reading.outside, {}, {}};
-  // It is near already: the wide searches that find an object from a ball would only lead away from it.
-  if (settings.stages.empty()) {
-    std::erase_if(hypothesis.stages, [](const Stage& s) { return s.energies.contains("region"); });
+}
+
+// A surface that is already near tells its levels and its polarity itself, and is refined by edge stages alone: the
+// wide searches that find an object from a ball would only lead away from it. Should it be off by more than edge
+// stages reach, a search over half of the object's thickness (2 V/A: the radius of a tube) is the second reading.
+std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surface& seed, const FitSettings& settings,
+                                           const std::string& prefix) {
+  GeometryCache geometry;
+  const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
+  SurfaceSamples samples;
+  evaluate(seed.model, seed.parameters, g.layout, false, samples);
+  const double volume = facet_volume(g.layout, samples.x);
+  const double thickness = 2.0 * volume / sum(sample_areas(g.layout, samples.x)), h = image.grid.mean_spacing();
+  const auto reading = [&](const std::string& name, const Bands& bands) {
+    Hypothesis hypothesis{.start = {.surface = seed, .reading = {}, .levels = {}, .reason = {}},
+                          .stages = stages_of(settings)};
+    hypothesis.start.detail = refinements_of(seed.model);
+    hypothesis.start.start_volume = volume;
+    hypothesis.start.reading.name = prefix + name;
+    read_levels(image, settings, samples, bands, hypothesis.start);
+    return hypothesis;
+  };
+  const auto searches = [](const Stage& stage) { return stage.energies.contains("region"); };
+  std::vector<Hypothesis> list;
+  list.push_back(reading("seed surface", {1.5 * h, 5.0 * h, 1.5 * h, 5.0 * h}));
+  Hypothesis& near = list.front();
+  if (settings.start_rule == StartRule::head) near.start.reading.tissue = read_head(image).levels;
+  if (!settings.stages.empty() || settings.start_rule == StartRule::head) {
+    near.certain = true;
+    near.compare_after = near.stages.size();
+    return list;
   }
-  hypothesis.compare_after = 0;
-  return hypothesis;
+  std::erase_if(near.stages, searches);
+  near.stages.insert(near.stages.begin(), near.stages.front());  // compared first, then run again with samples left out
+  near.compare_after = 1;
+  if (near.start.reading.ridge || !(thickness > 0.0)) {
+    near.certain = true;
+    return list;
+  }
+  list.push_back(
+      reading("seed surface, searched around", {0.25 * thickness, 0.7 * thickness, 0.4 * thickness, thickness}));
+  list.back().start.reach_mm = std::max(0.5 * thickness, 5.0 * h);
+  list.back().compare_after = comparison_point(list.back().stages);
+  return list;
 }
 
 }  // namespace
 
 std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
                                        const std::string& prefix) {
-  if (const auto* surface = std::get_if<Surface>(&seed)) return {surface_hypothesis(image, *surface, settings, prefix)};
+  if (const auto* surface = std::get_if<Surface>(&seed)) return surface_hypotheses(image, *surface, settings, prefix);
   const auto& sphere = std::get<SeedSphere>(seed);
   if (settings.start_rule == StartRule::head) return {head_hypothesis(image, sphere, settings, prefix)};
   return sphere_hypotheses(image, sphere, settings, prefix);

@@ -53,7 +53,7 @@ GroupedOperator grouped_operator(std::string name, double weight, VectorRows row
   GroupedOperator op;
   op.name = std::move(name);
   op.root_weight = std::sqrt(weight);
-  op.groups = group_rows(layout, rows.start, rows.sample);
+  if (!layout.stencils) op.groups = group_rows(layout, rows.start, rows.sample);
   op.rows = std::move(rows);
   return op;
 }

@@ -30,12 +30,12 @@ struct RowGroup {
 std::vector<RowGroup> group_rows(const SampleLayout& layout, const std::vector<int>& start,
                                  const std::vector<int>& sample);
 
-/// Constant operators (bending, tension) with their groups: built once a stage.
+/// Constant operators (bending, tension): built once a stage.
 struct GroupedOperator {
   std::string name;
   double root_weight = 1.0;  ///< square root of the energy's weight
   VectorRows rows;
-  std::vector<RowGroup> groups;
+  std::vector<RowGroup> groups;                     ///< empty where the closed form makes them superfluous
   double energy(const std::vector<Vec3>& x) const;  ///< weighted, mm^2
 };
 GroupedOperator grouped_operator(std::string name, double weight, VectorRows rows, const SampleLayout& layout);
@@ -55,12 +55,15 @@ struct ScalarEnergy {
       evaluate;
 };
 
+class LinearSystem;
+
 struct StepProblem {
   const SurfaceModel* model = nullptr;
   const SampleLayout* layout = nullptr;
   const std::vector<GroupedOperator>* operators = nullptr;
   std::vector<NamedRows> rows;
   std::vector<ScalarEnergy> scalars;
+  LinearSystem* linear = nullptr;  ///< of a model that is linear in its control points: the closed form
 };
 
 struct StepOutcome {
@@ -70,8 +73,9 @@ struct StepOutcome {
   std::string message;
 };
 
-/// Moves `parameters`. Residual energies alone: Levenberg-Marquardt. With scalar energies, or when `solver` says so:
-/// ceres::GradientProblem (L-BFGS) on their sum plus half the squared residuals.
+/// Moves `parameters`. Residual energies alone: in closed form where problem.linear is set and `solver` leaves the
+/// choice, else Levenberg-Marquardt. With scalar energies, or when `solver` says so: ceres::GradientProblem (L-BFGS) on
+/// their sum plus half the squared residuals.
 /// \param trust_radius of Levenberg-Marquardt: where this step starts, and on return where it ended, for the next.
 StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterations, double& trust_radius,
                        Parameters& parameters);

@@ -17,8 +17,12 @@ enum class StartRule {
   sphere,
   rays,
   head
-};                                              ///< as seeded; ellipsoid through the first edges along rays; brain
-enum class Solver { least_squares, gradient };  ///< Levenberg-Marquardt, or L-BFGS on the scalar energies
+};  ///< as seeded; ellipsoid through the first edges along rays; brain
+enum class Solver {
+  least_squares,        ///< closed form where the surface is linear in its control points, else Levenberg-Marquardt
+  levenberg_marquardt,  ///< through Ceres, whatever the model
+  gradient              ///< L-BFGS on the scalar energies, through Ceres
+};
 
 /// One stage of a fit: which energies, with what weights, on what image, with how many control points.
 struct Stage {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "pellicle/energies/geometry.h"
+#include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/objective.h"
 
 namespace pellicle {
@@ -135,7 +136,7 @@ StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, dou
     problem.AddParameterBlock(parameters.data() + 3 * b, 3, manifold);
   }
   std::vector<std::vector<RowGroup>> groups;
-  groups.reserve(step.rows.size());
+  groups.reserve(step.rows.size() + step.operators->size());
   const auto add = [&](const RowGroup& group, const ScalarRows* scalar, const VectorRows* vector, double root_weight) {
     std::vector<double*> pointers;
     for (const int block : group.blocks) pointers.push_back(parameters.data() + 3 * static_cast<std::size_t>(block));
@@ -147,7 +148,9 @@ StepOutcome solve_least_squares(const StepProblem& step, int max_iterations, dou
     for (const auto& group : groups.back()) add(group, &named.rows, nullptr, 1.0);
   }
   for (const auto& op : *step.operators) {
-    for (const auto& group : op.groups) add(group, nullptr, &op.rows, op.root_weight);
+    if (op.groups.empty()) groups.push_back(group_rows(*step.layout, op.rows.start, op.rows.sample));
+    for (const auto& group : op.groups.empty() ? groups.back() : op.groups)
+      add(group, nullptr, &op.rows, op.root_weight);
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -344,6 +347,10 @@ StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterat
                        Parameters& parameters) {
   if (solver == Solver::gradient || !problem.scalars.empty())
     return solve_gradient(problem, max_iterations, parameters);
+  if (solver == Solver::least_squares && problem.linear != nullptr &&
+      problem.linear->minimise(problem.rows, parameters)) {
+    return {1, true, true, "closed form"};
+  }
   return solve_least_squares(problem, max_iterations, trust_radius, parameters);
 }
 

@@ -13,6 +13,7 @@
 #include "pellicle/energies/edge.h"
 #include "pellicle/energies/spacing.h"
 #include "pellicle/energies/tension.h"
+#include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/scalars.h"
 
 namespace pellicle {
@@ -111,6 +112,7 @@ class StageRun {
   double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
   const StageGeometry* geometry_ = nullptr;
   std::vector<GroupedOperator> operators_;
+  std::optional<LinearSystem> linear_;
   std::optional<WorkingImage> image_;
   std::vector<double> curvature_;
 };
@@ -147,6 +149,9 @@ void StageRun::prepare() {
   if (weight_of(stage_, "tension") > 0.0) {
     operators_.push_back(
         grouped_operator("tension", weight_of(stage_, "tension"), tension_rows(geometry_->layout), geometry_->layout));
+  }
+  if (geometry_->layout.stencils && stage_.solver == Solver::least_squares) {
+    linear_.emplace(geometry_->layout, state_.surface.parameters.size() / 3, operators_);
   }
   first_contrast_ = state_.levels.contrast();
   // Local levels belong to the samples of the stage that measured them.
@@ -300,7 +305,7 @@ StageSummary StageRun::run() {
   const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
   StepGeometry g = geometry_at(state_, *geometry_);
   double trust_radius = 1e3;
-  StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}};
+  StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}, linear_ ? &*linear_ : nullptr};
   for (int step = 0; step < max_steps; ++step) {
     check_interrupt();
     image_->cover(g.samples.x);

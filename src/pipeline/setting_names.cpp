@@ -47,7 +47,9 @@ const Names<StartRule>& names() {
 }
 template <>
 const Names<Solver>& names() {
-  static const Names<Solver> all{{Solver::least_squares, "least-squares"}, {Solver::gradient, "gradient"}};
+  static const Names<Solver> all{{Solver::least_squares, "least-squares"},
+                                 {Solver::levenberg_marquardt, "levenberg-marquardt"},
+                                 {Solver::gradient, "gradient"}};
   return all;
 }
 template <>

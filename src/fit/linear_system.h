@@ -1,0 +1,39 @@
+#pragma once
+/// The step of a surface that is linear in its control points (spline, Catmull-Clark, slime), in closed form.
+///
+/// With x = W c every residual energy is quadratic in c: half of |C W c - d|^2 for the rows of this step, half of
+/// |L W c|^2 for the operators of the stage. Operators treat the coordinates alike, so their share of the normal
+/// matrix, K = (L W)^T (L W), is a scalar matrix over the blocks, made once a stage; rows add 3 x 3 blocks (v v^T).
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <utility>
+#include <vector>
+
+#include "pellicle/fit/objective.h"
+
+namespace pellicle {
+
+class LinearSystem {
+ public:
+  /// \param layout of a linear model (it has stencils), which must outlive this; `blocks` parameter blocks.
+  LinearSystem(const SampleLayout& layout, std::size_t blocks, const std::vector<GroupedOperator>& operators);
+  /// Moves `parameters` to the minimum of half the squared residuals. Returns false, and leaves them alone, when
+  /// numbers are not finite, the matrix cannot be factorised, or a row joins samples that share neither patch nor
+  /// facet.
+  bool minimise(const std::vector<NamedRows>& rows, Parameters& parameters);
+
+ private:
+  using Matrix = Eigen::SparseMatrix<double>;
+  bool add_row(const ScalarRows& rows, std::size_t row, const Parameters& parameters, Eigen::VectorXd& gradient);
+  bool add_block(int row_block, int column_block, const Mat3& value);
+
+  const SampleLayout& layout_;
+  Matrix operators_;             ///< K, blocks x blocks
+  std::vector<int> start_, at_;  ///< pattern: the row blocks at or below the diagonal of each column block, ascending
+  Matrix normal_;                ///< lower half of the normal matrix, with the pattern's entries only
+  Eigen::SimplicialLLT<Matrix> factor_;
+  std::vector<std::pair<int, Vec3>> derivative_;  ///< of one row by its blocks; room that is used again
+};
+
+}  // namespace pellicle
