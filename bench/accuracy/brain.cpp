@@ -28,6 +28,7 @@ void brain_table(const Options& options) {
   const double begin = seconds_now();
   const Volume volume = read_volume(options.head / "ch2.nii.gz");
   FitSettings settings;
+  settings.model = options.model;
   settings.start_rule = StartRule::head;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
@@ -46,7 +47,7 @@ void brain_table(const Options& options) {
                time);
   };
   row("fitted to the image", fit.surface, fmt::format("{:.2f}", seconds));
-  row("ceiling: the same surface fitted to BET's mask", surface_from_mask(bet, {}, 3), "");
+  row("ceiling: the same surface fitted to BET's mask", surface_from_mask(bet, options.model, 3), "");
 }
 
 }  // namespace pellicle::bench

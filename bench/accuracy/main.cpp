@@ -1,5 +1,6 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, orders,
-// speed, threads (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME.
+// torus, speed, threads (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the
+// phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
 
@@ -20,6 +21,17 @@ double seconds_now() {
 TriangleMesh measuring_mesh(const Surface& surface, double h) {
   return tessellate(surface, tessellation_level(surface, 0.7 * h));
 }
+
+namespace {
+
+ModelKind kind_named(const std::string& name) {
+  for (const ModelKind kind : {ModelKind::normal, ModelKind::spline}) {
+    if (model_name(start_model({.kind = kind})) == name) return kind;
+  }
+  throw std::runtime_error("unknown model " + name);
+}
+
+}  // namespace
 
 }  // namespace pellicle::bench
 
@@ -44,18 +56,15 @@ int main(int argc, char** argv) try {
       options.seeds = std::stoi(value());
     else if (word == "--shape")
       options.only = value();
+    else if (word == "--model")
+      options.model.kind = kind_named(value());
     else
       wanted.push_back(word);
   }
   const std::vector<std::pair<std::string, void (*)(const Options&)>> sections{
-      {"sphere", [](const Options&) { clean_sphere_table(); }},
-      {"phantoms", phantom_table},
-      {"brain", brain_table},
-      {"sarcoma", sarcoma_table},
-      {"orders", storage_order_table},
-      {"speed", speed_table},
-      {"threads", thread_table},
-      {"solvers", [](const Options&) { solver_table(); }}};
+      {"sphere", clean_sphere_table}, {"phantoms", phantom_table}, {"torus", torus_table},
+      {"brain", brain_table},         {"sarcoma", sarcoma_table},  {"orders", storage_order_table},
+      {"speed", speed_table},         {"threads", thread_table},   {"solvers", [](const Options&) { solver_table(); }}};
   std::filesystem::create_directories(options.scratch);
   for (const auto& [name, run] : sections) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run(options);

@@ -53,12 +53,12 @@ struct Row {
   int ok = 0, runs = 0;
 };
 
-void run_case(const Phantom& phantom, int seeds, Row& row) {
+void run_case(const Phantom& phantom, const Options& options, Row& row) {
   const double h = phantom.image.grid.mean_spacing();
   RandomEngine random(phantom.settings.seed);
-  for (const SeedDraw& seed : draw_seeds(phantom, seeds, random)) {
+  for (const SeedDraw& seed : draw_seeds(phantom, options.seeds, random)) {
     const double begin = seconds_now();
-    const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, FitSettings{});
+    const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, {.model = options.model});
     row.seconds.push_back(seconds_now() - begin);
     const TriangleMesh mesh = measuring_mesh(fit.surface, h);
     row.assd.push_back(surface_distances(mesh, phantom.truth_surface, h).assd / h);
@@ -73,8 +73,10 @@ void run_case(const Phantom& phantom, int seeds, Row& row) {
 }  // namespace
 
 void phantom_table(const Options& options) {
-  fmt::print("\n## Phantoms\n\nRadius about 20 voxels, SNR 5, blur 1 voxel, {} seeds a case, no setting given.\n\n",
-             options.seeds);
+  fmt::print(
+      "\n## Phantoms\n\nRadius about 20 voxels, SNR 5, blur 1 voxel, {} seeds a case, --model {}, no other setting "
+      "given.\n\n",
+      options.seeds, model_name(start_model(options.model)));
   fmt::print(
       "| shape | case | status ok | ASSD median | ASSD worst | Dice worst | Otsu Dice | seconds (median) "
       "|\n|---|---|---|---|---|---|---|---|\n");
@@ -84,7 +86,7 @@ void phantom_table(const Options& options) {
     if (!options.only.empty() && options.only != shape) continue;
     for (std::size_t v = 0; v < std::size(kVariants); ++v) {
       Row row;
-      run_case(make_phantom(settings_of(shape, v)), options.seeds, row);
+      run_case(make_phantom(settings_of(shape, v)), options, row);
       fmt::print("| {} | {} | {}/{} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.2f} |\n", shape, kVariants[v], row.ok,
                  row.runs, median_of(row.assd), *std::max_element(row.assd.begin(), row.assd.end()),
                  *std::min_element(row.dice.begin(), row.dice.end()), median_of(row.otsu), median_of(row.seconds));
@@ -100,13 +102,13 @@ void phantom_table(const Options& options) {
              *std::max_element(all_assd.begin(), all_assd.end()), *std::min_element(all_dice.begin(), all_dice.end()));
 }
 
-void clean_sphere_table() {
+void clean_sphere_table(const Options& options) {
   PhantomSettings s;
   s.noise = PhantomNoise::none;
   const Phantom phantom = make_phantom(s);
   const double h = phantom.image.grid.mean_spacing();
   const SeedDraw seed = phantom.seeds.front();
-  const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, FitSettings{});
+  const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, {.model = options.model});
   const TriangleMesh mesh = measuring_mesh(fit.surface, h);
   const Image<std::uint8_t> mask = rasterize_mask(mesh, phantom.image.grid);
   const double truth = 1000.0 * phantom.exact_volume_ml;

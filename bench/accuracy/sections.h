@@ -14,10 +14,12 @@ struct Options {
   std::filesystem::path scratch;  ///< for files of the runs; removed afterwards
   int seeds = 8;                  ///< a phantom case
   std::string only;               ///< a phantom shape, or empty for all
+  ModelChoice model;              ///< of the phantoms, the sphere and the brain
 };
 
 void phantom_table(const Options& options);
-void clean_sphere_table();
+void clean_sphere_table(const Options& options);
+void torus_table(const Options& options);
 void brain_table(const Options& options);
 void sarcoma_table(const Options& options);
 void storage_order_table(const Options& options);

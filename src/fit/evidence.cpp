@@ -12,16 +12,17 @@ struct InsideStatistics {
   double median = 0.0, deviation = 0.0;
 };
 
-// Median and spread of the image within the surface: six copies of it, drawn in towards the centre by equal shares of
-// volume.
-InsideStatistics inside_of(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<double>& area) {
-  const double total = sum(area);
-  Vec3 centre = Vec3::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) centre += area[i] / total * x[i];
+// Median and spread of the image within the surface, at six depths below each sample: equal shares of the volume in a
+// ball; in any other body, tori included, depths are measured against its thickness 3 V/A (a ball's radius), and the
+// deepest, 0.56 of it, is still inside a tube.
+InsideStatistics inside_of(const TrilinearField& image, const SurfaceSamples& samples, double thickness) {
   std::vector<double> values;
+  values.reserve(6 * samples.x.size());
   for (int shell = 0; shell < 6; ++shell) {
-    const double scale = std::cbrt((shell + 0.5) / 6.0);
-    for (const Vec3& p : x) values.push_back(image.at(centre + scale * (p - centre)));
+    const double depth = thickness * (1.0 - std::cbrt((shell + 0.5) / 6.0));
+    for (std::size_t i = 0; i < samples.x.size(); ++i) {
+      values.push_back(static_cast<double>(image.at(samples.x[i] - depth * samples.normal[i])));
+    }
   }
   const double deviation = robust_deviation(values);
   return {median_of(std::move(values)), deviation};
@@ -44,7 +45,8 @@ Evidence evidence_of(const Image<float>& image, const Surface& surface, bool rid
   working.cover(samples.x);
   const Profiles profiles =
       sample_profiles(TrilinearField(working.image()), samples.x, samples.normal, 5.0 * h, 8.0 * h, 0.5 * h);
-  const InsideStatistics inside = inside_of(TrilinearField(working.image()), samples.x, area);
+  const double thickness = 3.0 * facet_volume(coarse.layout, samples.x) / total;
+  const InsideStatistics inside = inside_of(TrilinearField(working.image()), samples, std::max(0.0, thickness));
   e.noise = noise_of(working.image(), {{0, 0, 0}, working.image().grid.size});
   std::vector<double> away, contrast;
   std::size_t returning = 0;
