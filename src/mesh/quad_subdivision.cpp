@@ -6,13 +6,18 @@
 namespace pellicle {
 namespace {
 
+bool is_corner(const QuadRing& ring) {
+  return !ring.closed && ring.quad.size() == 1;
+}
+
 /// (F + 2 E + (n - 3) V) / n, F the mean of the quads' points, E of the edges' midpoints.
 void add_vertex_row(const QuadTopology& topology, int v, PointRows& rows) {
   const QuadRing& ring = topology.rings[static_cast<std::size_t>(v)];
   if (!ring.closed) {
-    rows.add(v, 0.75);
-    rows.add(ring.edge.front(), 0.125);
-    rows.add(ring.edge.back(), 0.125);
+    const double beside = is_corner(ring) ? 0.0 : 0.125;
+    rows.add(v, 1 - 2 * beside);
+    rows.add(ring.edge.front(), beside);
+    rows.add(ring.edge.back(), beside);
     rows.close();
     return;
   }
@@ -68,9 +73,10 @@ LimitMasks catmull_clark_limit(const QuadTopology& topology) {
     const QuadRing& ring = topology.rings[static_cast<std::size_t>(v)];
     const auto n = static_cast<double>(ring.valence());
     if (!ring.closed) {
-      masks.position.add(v, 2.0 / 3);
-      masks.position.add(ring.edge.front(), 1.0 / 6);
-      masks.position.add(ring.edge.back(), 1.0 / 6);
+      const double beside = is_corner(ring) ? 0.0 : 1.0 / 6;
+      masks.position.add(v, 1 - 2 * beside);
+      masks.position.add(ring.edge.front(), beside);
+      masks.position.add(ring.edge.back(), beside);
     } else {
       const double angle = 2 * std::numbers::pi / n, c = std::cos(angle);
       const double amplitude = 1 + c + std::cos(angle / 2) * std::sqrt(2 * (9 + c));

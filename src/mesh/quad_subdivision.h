@@ -13,7 +13,7 @@ struct QuadStep {
   PointRows rows;
   std::vector<Quad> quads;
 };
-/// Borders become uniform cubic B-spline curves, corners too.
+/// Borders become uniform cubic B-spline curves; border vertices of one quad only are corners and stay where they are.
 QuadStep catmull_clark_step(const QuadTopology& topology);
 
 /// The limit surface at each vertex: position, and two tangents whose cross product points outward (their lengths mean
