@@ -1,0 +1,205 @@
+#include "pellicle/seed/voxel_seed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pellicle/base/errors.h"
+
+namespace pellicle {
+namespace {
+
+void check_spacing(double spacing_mm) {
+  if (std::isfinite(spacing_mm) && spacing_mm > 0) return;
+  throw UsageError(fmt::format("spacing of the voxel seed ({}): must be above 0 mm", spacing_mm));
+}
+
+struct Box {
+  Vec3 lo = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 hi = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  void add(const Vec3& x) {
+    lo = lo.cwiseMin(x);
+    hi = hi.cwiseMax(x);
+  }
+};
+
+Box box_of(const std::vector<Vec3>& points) {
+  if (points.empty()) throw BadData("voxel seed (all): there are no points");
+  Box box;
+  for (const Vec3& x : points) box.add(x);
+  if (!box.lo.allFinite() || !box.hi.allFinite()) throw BadData("voxel seed (points): a coordinate is not finite");
+  return box;
+}
+
+/// Outermost faces of the voxels inside, in index coordinates.
+Box box_of(const Image<std::uint8_t>& mask) {
+  Box box;
+  const Index3& n = mask.grid.size;
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        if (mask.at(i, j, k) == 0) continue;
+        box.add(Vec3(i - 0.5, j - 0.5, k - 0.5));
+        box.add(Vec3(i + 0.5, j + 0.5, k + 0.5));
+      }
+    }
+  }
+  if (!box.lo.allFinite()) throw BadData("voxel seed (all): the mask is empty");
+  return box;
+}
+
+/// A voxel of the result is `inside_when(inside neighbours, neighbours)`, itself counted.
+template <class Rule>
+Image<std::uint8_t> morphed(const Image<std::uint8_t>& voxels, bool diagonals, const Rule& rule) {
+  Image<std::uint8_t> result(voxels.grid);
+  const Index3& n = voxels.grid.size;
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        int inside = 0, all = 0;
+        for (int c = 0; c < 27; ++c) {
+          const int dx = c % 3 - 1, dy = c / 3 % 3 - 1, dz = c / 9 - 1;
+          if (!diagonals && std::abs(dx) + std::abs(dy) + std::abs(dz) > 1) continue;
+          ++all;
+          const int x = i + dx, y = j + dy, z = k + dz;
+          const bool in_grid = x >= 0 && y >= 0 && z >= 0 && x < n[0] && y < n[1] && z < n[2];
+          inside += in_grid && voxels.at(x, y, z) != 0 ? 1 : 0;
+        }
+        result.at(i, j, k) = rule(inside, all) ? 1 : 0;
+      }
+    }
+  }
+  return result;
+}
+
+/// More voxels than any seed needs: a spacing that does not fit the size.
+constexpr double kMostVoxels = 1e8;
+
+ImageGrid grid_over(const Vec3& first_centre, const Vec3& extent, double spacing_mm) {
+  ImageGrid grid;
+  const Vec3 count = (extent / spacing_mm).array().ceil();
+  if (!(count.prod() <= kMostVoxels)) {
+    throw UsageError(fmt::format("spacing of the voxel seed ({} mm): the object would have {:.0e} voxels", spacing_mm,
+                                 count.prod()));
+  }
+  for (int a = 0; a < 3; ++a) grid.size[static_cast<std::size_t>(a)] = std::max(1, static_cast<int>(count[a]));
+  grid.spacing = Vec3::Constant(spacing_mm);
+  grid.origin_in_world = first_centre;
+  return grid;
+}
+
+VoxelSeed finished(Image<std::uint8_t> voxels, double spacing_mm) {
+  VoxelSeed seed;
+  seed.spacing_mm = spacing_mm;
+  seed.filled = make_manifold(voxels);
+  seed.mesh = boundary_of_voxels(voxels);
+  seed.genus = quad_topology(static_cast<int>(seed.mesh.vertices.size()), seed.mesh.quads).genus;
+  return seed;
+}
+
+}  // namespace
+
+double coarsest_spacing(const std::vector<Vec3>& points) {
+  const Box box = box_of(points);
+  const double edge = (box.hi - box.lo).minCoeff();
+  if (!(edge > 0)) throw BadData("voxel seed (points): they lie in a plane");
+  return edge / 3;
+}
+
+double coarsest_spacing(const Image<std::uint8_t>& mask) {
+  const Box box = box_of(mask);
+  return (box.hi - box.lo).cwiseProduct(mask.grid.spacing).minCoeff() / 3;
+}
+
+Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm) {
+  check_spacing(spacing_mm);
+  const Box box = box_of(points);
+  constexpr int kPad = 3;
+  Image<std::uint8_t> marked(grid_over(box.lo + Vec3::Constant((0.5 - kPad) * spacing_mm),
+                                       box.hi - box.lo + Vec3::Constant((2 * kPad + 1) * spacing_mm), spacing_mm));
+  for (const Vec3& x : points) {
+    const Vec3 at = ((x - box.lo) / spacing_mm).array().floor();
+    marked.at(static_cast<int>(at.x()) + kPad, static_cast<int>(at.y()) + kPad, static_cast<int>(at.z()) + kPad) = 1;
+  }
+  const Image<std::uint8_t> wide = morphed(marked, true, [](int inside, int) { return inside > 0; });
+  return morphed(wide, false, [](int inside, int all) { return inside == all; });
+}
+
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm) {
+  check_spacing(spacing_mm);
+  const Box box = box_of(mask);
+  const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels
+  const Vec3 extent = (box.hi - box.lo).cwiseProduct(mask.grid.spacing);
+  ImageGrid grid = grid_over(Vec3::Zero(), extent, spacing_mm);
+  Vec3 first;  // the object in the middle of the grid
+  Index3 parts{};
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    first[a] = (box.lo[a] + box.hi[a] - (grid.size[axis] - 1) * step[a]) / 2;
+    parts[axis] = std::clamp(static_cast<int>(std::ceil(2 * step[a])), 2, 6);
+  }
+  grid.direction = mask.grid.direction;
+  grid.origin_in_world = mask.grid.world_from_index(first);
+  Image<std::uint8_t> voxels(grid);
+  const auto inside_at = [&](const Vec3& index) {
+    const Vec3 nearest = (index.array() + 0.5).floor();
+    const Index3 v{static_cast<int>(nearest.x()), static_cast<int>(nearest.y()), static_cast<int>(nearest.z())};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (v[a] < 0 || v[a] >= mask.grid.size[a]) return false;
+    }
+    return mask.at(v[0], v[1], v[2]) != 0;
+  };
+  const int all = parts[0] * parts[1] * parts[2];
+  for (int k = 0; k < grid.size[2]; ++k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        int inside = 0;
+        for (int p = 0; p < all; ++p) {
+          const Vec3 part(p % parts[0], p / parts[0] % parts[1], p / (parts[0] * parts[1]));
+          const Vec3 offset = (part.array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
+          inside += inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset)) ? 1 : 0;
+        }
+        voxels.at(i, j, k) = 2 * inside >= all ? 1 : 0;
+      }
+    }
+  }
+  return voxels;
+}
+
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm) {
+  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm), *spacing_mm);
+  const double coarsest = coarsest_spacing(mask);
+  constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
+  std::vector<VoxelSeed> seeds;
+  for (int step = 0; step < kMost; ++step) {
+    const double spacing = coarsest * std::pow(0.5, 0.5 * step);
+    if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
+    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing);
+    const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
+    if (!empty) seeds.push_back(finished(std::move(voxels), spacing));
+  }
+  if (seeds.empty()) {
+    throw BadData("voxel seed (mask): it is thinner than its voxels everywhere; give a finer spacing");
+  }
+  std::size_t best = 0, longest = 0;
+  for (std::size_t first = 0; first < seeds.size();) {
+    std::size_t end = first;
+    while (end < seeds.size() && seeds[end].genus == seeds[first].genus) ++end;
+    if (end - first >= longest) {  // of equally long runs the finer one
+      longest = end - first;
+      best = first;
+    }
+    first = end;
+  }
+  return seeds[best];
+}
+
+VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm) {
+  const double spacing = spacing_mm.value_or(coarsest_spacing(points));
+  return finished(voxels_of_points(points, spacing), spacing);
+}
+
+}  // namespace pellicle

@@ -1,0 +1,55 @@
+#pragma once
+/// Start meshes of any genus from voxels. Source: Stoddart, Hilton, Illingworth 1994, Section 5, with the repair of
+/// places that are no surface (docs/models.md).
+
+#include <optional>
+
+#include "pellicle/image/image.h"
+#include "pellicle/mesh/quad_mesh.h"
+
+namespace pellicle {
+
+/// What the boundary of voxels is about a grid vertex, from the 8 voxels there.
+struct VoxelBlock {
+  enum class Kind { no_surface, manifold, edge_fault, vertex_fault } kind = Kind::no_surface;
+  int valence = 0;  ///< faces at the vertex
+};
+/// \param pattern bit 4 a + 2 b + c stands for the voxel at (a, b, c) of the block, 0 or 1 along i, j, k.
+VoxelBlock classify_block(unsigned pattern);
+
+/// Voxels of `spacing_mm` in the axes of the world that hold scattered points of a closed surface, and all that they
+/// enclose: marked, dilated (26 neighbours), eroded (6), holes filled, the largest part kept. About one voxel larger
+/// than the object. \throws BadData without points, UsageError unless the spacing is positive.
+Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm);
+/// Voxels of `spacing_mm` along the mask's axes of which half or more is inside; holes filled, the largest part kept.
+/// \throws BadData for an empty mask, UsageError unless the spacing is positive.
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm);
+
+/// A third of the smallest edge of the bounding box (world's axes; the mask's own axes): the coarsest grid that makes
+/// sense. \throws BadData when empty.
+double coarsest_spacing(const std::vector<Vec3>& points);
+double coarsest_spacing(const Image<std::uint8_t>& mask);
+
+/// Fills voxels until the boundary is one closed manifold surface: every block about a grid vertex manifold, no cavity,
+/// one part. In each critical block the empty voxel with most neighbours (faces) is filled. Ends because voxels are
+/// only added; the bounding box stays. Returns how many were. The image is cropped and padded by one voxel.
+std::size_t make_manifold(Image<std::uint8_t>& voxels);
+
+/// The faces between inside and outside as a quad mesh in LPS mm. \pre make_manifold() has run. \throws BadData for an
+/// empty image or a boundary that is no manifold.
+QuadMesh boundary_of_voxels(const Image<std::uint8_t>& voxels);
+
+struct VoxelSeed {
+  QuadMesh mesh;
+  int genus = 0;
+  double spacing_mm = 0.0;
+  std::size_t filled = 0;  ///< voxels that the repair added
+};
+/// All of it for a mask. Without a spacing, grids from the coarsest on, each finer by sqrt(2), down to the mask's
+/// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken: handles of the
+/// object stay over many grids, those of noise only show in the finest. \throws as above.
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {});
+/// For points of a surface, at the coarsest spacing unless one is given (handles need a finer one).
+VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm = {});
+
+}  // namespace pellicle
