@@ -77,9 +77,9 @@ std::vector<Vec3> smoothed_vertices(const QuadMesh& mesh, int sweeps) {
 }
 
 std::vector<Vec3> compensated(const PointRows& limit, const std::vector<Vec3>& target) {
-  constexpr int kSweeps = 20;
+  constexpr int kCompensations = 20;
   std::vector<Vec3> c = target;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kCompensations; ++sweep) {
     const std::vector<Vec3> surface = limit.apply(c);
     for (std::size_t v = 0; v < c.size(); ++v) c[v] += target[v] - surface[v];
   }

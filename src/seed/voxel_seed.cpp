@@ -158,8 +158,9 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
       for (int i = 0; i < grid.size[0]; ++i) {
         int inside = 0;
         for (int p = 0; p < all; ++p) {
-          const Vec3 part(p % parts[0], p / parts[0] % parts[1], p / (parts[0] * parts[1]));
-          const Vec3 offset = (part.array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
+          const Index3 at{p % parts[0], p / parts[0] % parts[1], p / (parts[0] * parts[1])};
+          const Vec3 offset =
+              (Vec3(at[0], at[1], at[2]).array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
           inside += inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset)) ? 1 : 0;
         }
         voxels.at(i, j, k) = 2 * inside >= all ? 1 : 0;
