@@ -85,7 +85,8 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
                       const Progress& progress = {});
 
 /// Start surface from a mask: the moment ellipsoid of its largest part, fitted to the mask's boundary with `detail`
-/// refinements, so that the start is the mask up to the model's resolution.
+/// refinements, so that the start is the mask up to the model's resolution. A part with handles starts from its voxels
+/// instead, with as many control points as these give (splines, whose topology is fixed, do not).
 /// \throws BadData when the mask is empty.
 Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail);
 

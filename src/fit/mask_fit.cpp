@@ -3,34 +3,47 @@
 #include "pellicle/fit/stage.h"
 #include "pellicle/image/reorder.h"
 #include "pellicle/seed/components.h"
+#include "pellicle/seed/seed_surface.h"
+#include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
+namespace {
 
-Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail) {
+/// The largest part of a mask, alone, and as an image.
+struct Part {
+  Image<std::uint8_t> mask;
+  Image<float> image;
+};
+
+Part largest_part(const Image<std::uint8_t>& mask) {
   const Image<std::uint8_t> ordered = in_lps_order(mask);
   const Components components = components_of(ordered);
   if (components.parts.empty()) throw BadData("the seed mask is empty");
-  Image<std::uint8_t> part(ordered.grid);
-  Image<float> image(ordered.grid);
-  for (std::size_t i = 0; i < part.voxels.size(); ++i) {
-    part.voxels[i] = components.labels.voxels[i] == 1 ? 1 : 0;
-    image.voxels[i] = part.voxels[i];
+  Part part{Image<std::uint8_t>(ordered.grid), Image<float>(ordered.grid)};
+  for (std::size_t i = 0; i < part.mask.voxels.size(); ++i) {
+    part.mask.voxels[i] = components.labels.voxels[i] == 1 ? 1 : 0;
+    part.image.voxels[i] = part.mask.voxels[i];
   }
-  const Moments moments = moments_of(part);
-  const SurfaceModel model = start_model(choice);
-  FitState state{
-      .surface = {model, on_ellipsoid(model, moments.centroid, moments.shape)},
-      .reading = {.name = "mask", .sign = 1.0, .inside = 1.0, .outside = 0.0, .similarity = {}, .tissue = {}},
-      .levels = {1.0, 0.0, {}, {}},
-      .reason = {}};
-  const double radius = std::cbrt(std::abs(moments.shape.determinant()));
+  return part;
+}
+
+FitState state_of(Surface surface, int detail) {
+  return {.surface = std::move(surface),
+          .detail = detail,
+          .reading = {.name = "mask", .sign = 1.0, .inside = 1.0, .outside = 0.0, .similarity = {}, .tissue = {}},
+          .levels = {1.0, 0.0, {}, {}},
+          .reason = {}};
+}
+
+/// To the boundary of the part, stage by stage: (detail, how far to look in mm). Ends before a stage that fails.
+Surface fitted(const Image<float>& image, FitState state, const std::vector<std::pair<int, double>>& stages) {
   FitSettings settings;
   GeometryCache geometry;
   const StageContext context{image, settings, geometry};
-  for (int d = std::min(1, detail); d <= detail; ++d) {
-    state.reach_mm = d <= 1 ? 0.6 * radius : 0.2 * radius;
+  for (const auto& [detail, reach] : stages) {
+    state.reach_mm = reach;
     const Stage stage{.name = "mask",
-                      .detail = d,
+                      .detail = detail,
                       .energies = {{"region", 1.0}, {"bending", 5e-6}, {"spacing", 0.3}},
                       .resolution = 0.0,
                       .smoothing = 0.7,
@@ -41,6 +54,26 @@ Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& ch
     if (state.status != FitStatus::ok) return before.surface;
   }
   return state.surface;
+}
+
+}  // namespace
+
+Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail) {
+  const Part part = largest_part(mask);
+  const VoxelSeed voxels = voxel_seed_of_mask(part.mask);
+  if (voxels.genus > 0) {
+    if (std::optional<Surface> start = seed_surface(voxels.mesh, choice)) {
+      const int as_seeded = refinements_of(start->model);
+      return fitted(part.image, state_of(std::move(*start), as_seeded),
+                    {{as_seeded, voxels.spacing_mm}, {as_seeded, 0.5 * voxels.spacing_mm}});
+    }
+  }
+  const Moments moments = moments_of(part.mask);
+  const SurfaceModel model = start_model(choice);
+  const double radius = std::cbrt(std::abs(moments.shape.determinant()));
+  std::vector<std::pair<int, double>> stages;
+  for (int d = std::min(1, detail); d <= detail; ++d) stages.emplace_back(d, d <= 1 ? 0.6 * radius : 0.2 * radius);
+  return fitted(part.image, state_of({model, on_ellipsoid(model, moments.centroid, moments.shape)}, 0), stages);
 }
 
 }  // namespace pellicle

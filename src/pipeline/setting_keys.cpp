@@ -194,9 +194,9 @@ void add_input_and_seed(std::vector<SettingKey>& keys) {
 }
 
 void add_model_and_energies(std::vector<SettingKey>& keys) {
-  keys.push_back(
-      enum_key({"Model", "model", "normal|spline|spline-torus", "surface model; spline: exponential-spline sphere"},
-               FIELD(fit.model.kind)));
+  keys.push_back(enum_key({"Model", "model", "normal|spline|spline-torus|catmull-clark|slime",
+                           "surface model; spline: exponential-spline sphere"},
+                          FIELD(fit.model.kind)));
   keys.push_back(number_key(
       {"Model", "detail", "N", "refinements of the control mesh at most (0: as seeded); by default the fit decides"},
       FIELD(fit.detail)));

@@ -72,7 +72,9 @@ const Names<ModelKind>& names() {
                                     {ModelKind::spline, "spline"},
                                     {ModelKind::spline_torus, "spline-torus"},
                                     {ModelKind::spline_cylinder, "spline-cylinder"},
-                                    {ModelKind::spline_rectangle, "spline-rectangle"}};
+                                    {ModelKind::spline_rectangle, "spline-rectangle"},
+                                    {ModelKind::catmull_clark, "catmull-clark"},
+                                    {ModelKind::slime, "slime"}};
   return all;
 }
 template <>

@@ -94,15 +94,28 @@ std::pair<SlimeModel, Parameters> slime_seed(const QuadMesh& mesh) {
   return seed_of<SlimeModel>(mesh);
 }
 
-std::pair<NormalModel, Parameters> normal_seed(const QuadMesh& mesh) {
+std::pair<NormalModel, Parameters> normal_seed(const QuadMesh& mesh, SubdivisionRule rule) {
   const QuadTopology topology = quad_topology(static_cast<int>(mesh.vertices.size()), mesh.quads);
   const LimitMasks masks = catmull_clark_limit(topology);
   const LimitPoints points = limit_points(masks, control_points(masks.position, mesh, kSweeps));
   const LimitPoints reference = limit_points(masks, control_points(masks.position, mesh, kReferenceSweeps));
   const TriangleMesh split = split_quads({points.x, mesh.quads}, points.normal);
-  return {NormalModel(static_cast<int>(points.x.size()), split.triangles, SubdivisionRule::smooth,
-                      points_and_normals(reference)),
+  return {NormalModel(static_cast<int>(points.x.size()), split.triangles, rule, points_and_normals(reference)),
           points_and_normals(points)};
+}
+
+std::optional<Surface> seed_surface(const QuadMesh& mesh, const ModelChoice& choice) {
+  const auto surface = [](auto&& seed) { return Surface{std::move(seed.first), std::move(seed.second)}; };
+  switch (choice.kind) {
+    case ModelKind::normal:
+      return surface(normal_seed(mesh, choice.rule));
+    case ModelKind::catmull_clark:
+      return surface(catmull_clark_seed(mesh));
+    case ModelKind::slime:
+      return surface(slime_seed(mesh));
+    default:
+      return std::nullopt;
+  }
 }
 
 }  // namespace pellicle

@@ -1,12 +1,11 @@
 #pragma once
 /// Start surfaces from a quad mesh, such as the boundary of voxels: each model of any topology and the normal model.
 
+#include <optional>
 #include <utility>
 
 #include "pellicle/mesh/quad_mesh.h"
-#include "pellicle/surface/catmull_clark_model.h"
-#include "pellicle/surface/normal_model.h"
-#include "pellicle/surface/slime_model.h"
+#include "pellicle/surface/surface.h"
 
 namespace pellicle {
 
@@ -22,8 +21,11 @@ std::vector<Vec3> compensated(const PointRows& limit, const std::vector<Vec3>& t
 std::pair<CatmullClarkModel, Parameters> catmull_clark_seed(const QuadMesh& mesh);
 std::pair<SlimeModel, Parameters> slime_seed(const QuadMesh& mesh);
 /// Points and normals are those of the Catmull-Clark surface at its control vertices; each quad is split along the
-/// diagonal whose ends' normals agree better. (The `smooth` rule: the triangles are right-angled, where the others are
-/// not normal-continuous.)
-std::pair<NormalModel, Parameters> normal_seed(const QuadMesh& mesh);
+/// diagonal whose ends' normals agree better. The triangles are right-angled, where only the `smooth` rule is
+/// normal-continuous.
+std::pair<NormalModel, Parameters> normal_seed(const QuadMesh& mesh, SubdivisionRule rule = SubdivisionRule::smooth);
+
+/// The one of these that is chosen; none for splines, whose topology is fixed.
+std::optional<Surface> seed_surface(const QuadMesh& mesh, const ModelChoice& choice);
 
 }  // namespace pellicle

@@ -189,7 +189,7 @@ VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<doub
   for (std::size_t first = 0; first < seeds.size();) {
     std::size_t end = first;
     while (end < seeds.size() && seeds[end].genus == seeds[first].genus) ++end;
-    if (end - first >= longest) {  // of equally long runs the finer one
+    if (end - first > longest) {  // of equally long runs the coarser one
       longest = end - first;
       best = first;
     }

@@ -6,6 +6,7 @@
 #include "pellicle/mesh/quad_subdivision.h"
 #include "pellicle/surface/catmull_clark_limits.h"
 #include "pellicle/surface/control_fit.h"
+#include "pellicle/surface/gauss_legendre.h"
 
 namespace pellicle {
 namespace {
@@ -146,10 +147,7 @@ std::pair<CatmullClarkModel, Parameters> CatmullClarkModel::refine(const Paramet
 
 PointRows thin_plate_rows(const CatmullClarkModel& model, double membrane, double bending) {
   constexpr int kIsolation = 3;
-  constexpr std::array<double, 4> kPlace{0.069431844202973712, 0.330009478207571868, 0.669990521792428132,
-                                         0.930568155797026288};
-  constexpr std::array<double, 4> kWeight{0.173927422568726929, 0.326072577431273071, 0.326072577431273071,
-                                          0.173927422568726929};
+  const Quadrature gauss = gauss_legendre(4);  // exact for the squares of bicubics' derivatives
   const CatmullClarkLimits limits(model.topology(), kIsolation, LimitCap::bspline);
   std::vector<QuadPlace> places;
   std::vector<double> area;
@@ -159,8 +157,8 @@ PointRows thin_plate_rows(const CatmullClarkModel& model, double membrane, doubl
   for (const QuadPiece& piece : pieces) {
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < 4; ++j) {
-        places.push_back({piece.quad, piece.s + piece.width * kPlace[i], piece.t + piece.width * kPlace[j]});
-        area.push_back(kWeight[i] * kWeight[j] * piece.width * piece.width);
+        places.push_back({piece.quad, piece.s + piece.width * gauss.at[i], piece.t + piece.width * gauss.at[j]});
+        area.push_back(gauss.weight[i] * gauss.weight[j] * piece.width * piece.width);
       }
     }
   }

@@ -31,6 +31,7 @@ class CatmullClarkModel {
   std::vector<BlockKind> blocks() const;
   int degrees_of_freedom() const { return 3 * vertex_count(); }
   int base_facets() const { return 2 * static_cast<int>(control_->topology.quads.size()); }
+  int refinements() const { return refinements_of(control_->topology); }
   TriangleMesh control_mesh(const Parameters& parameters) const;
   std::string name() const { return "catmull-clark"; }
   bool is_closed() const { return control_->topology.closed(); }

@@ -113,12 +113,15 @@ Surface read_model(const std::filesystem::path& path) {
     reader.fail("version", fmt::format("is {}, this program reads {}", reader.at("version").dump(), kVersion));
   }
   const std::string model = reader.text("model");
-  if (model != "normal" && model != "spline") {
-    reader.fail("model", fmt::format("is \"{}\", which this program does not know; known: normal, spline", model));
+  const std::vector<std::string> known{"normal", "spline", "catmull-clark", "slime"};
+  if (std::find(known.begin(), known.end(), model) == known.end()) {
+    reader.fail("model",
+                fmt::format("is \"{}\", which this program does not know; known: {}", model, fmt::join(known, ", ")));
   }
   reader.expect("frame", "LPS");
   reader.expect("unit", "mm");
-  return model == "normal" ? read_normal_model(reader) : read_spline_model(reader);
+  if (model == "normal") return read_normal_model(reader);
+  return model == "spline" ? read_spline_model(reader) : read_quad_model(reader);
 }
 
 }  // namespace pellicle

@@ -41,24 +41,40 @@ std::string ModelReader::text(const std::string& key) const {
   return at(key).get<std::string>();
 }
 
-std::vector<std::array<int, 3>> ModelReader::index_triples(const std::string& key) const {
-  std::vector<std::array<int, 3>> result;
-  for (const json& row : triples(key)) {
-    std::array<int, 3> triple{};
-    for (int i = 0; i < 3; ++i) {
+template <std::size_t N>
+std::vector<std::array<int, N>> ModelReader::index_rows(const std::string& key) const {
+  std::vector<std::array<int, N>> result;
+  const json& list = rows(key, N);
+  result.reserve(list.size());
+  for (const json& row : list) {
+    std::array<int, N> indices{};
+    for (std::size_t i = 0; i < N; ++i) {
       if (!row[i].is_number_integer()) fail(key, fmt::format("entry {}: must be whole numbers", result.size()));
       const auto value = row[i].get<std::int64_t>();
       if (value < 0 || value > 100'000'000) fail(key, fmt::format("entry {}: no such vertex {}", result.size(), value));
-      triple[i] = static_cast<int>(value);
+      indices[i] = static_cast<int>(value);
     }
-    result.push_back(triple);
+    result.push_back(indices);
   }
   return result;
 }
 
+std::vector<std::array<int, 3>> ModelReader::index_triples(const std::string& key) const {
+  return index_rows<3>(key);
+}
+
+std::vector<std::array<int, 4>> ModelReader::index_quads(const std::string& key) const {
+  return index_rows<4>(key);
+}
+
+bool ModelReader::flag(const std::string& key) const {
+  if (!at(key).is_boolean()) fail(key, "must be true or false");
+  return at(key).get<bool>();
+}
+
 std::vector<Vec3> ModelReader::vectors(const std::string& key) const {
   std::vector<Vec3> result;
-  for (const json& row : triples(key)) {
+  for (const json& row : rows(key, 3)) {
     Vec3 v;
     for (int i = 0; i < 3; ++i) {
       if (!row[i].is_number()) fail(key, fmt::format("entry {}: must be numbers", result.size()));
@@ -85,11 +101,13 @@ ModelReader ModelReader::inner(const std::string& key) const {
   return {path_, at(key)};
 }
 
-const json& ModelReader::triples(const std::string& key) const {
+const json& ModelReader::rows(const std::string& key, std::size_t size) const {
   if (!at(key).is_array()) fail(key, "must be a list");
   std::size_t i = 0;
   for (const json& row : at(key)) {
-    if (!row.is_array() || row.size() != 3) fail(key, fmt::format("entry {}: must be a list of 3 numbers", i));
+    if (!row.is_array() || row.size() != size) {
+      fail(key, fmt::format("entry {}: must be a list of {} numbers", i, size));
+    }
     ++i;
   }
   return at(key);

@@ -28,12 +28,16 @@ class ModelReader {
   /// Anything beyond the range of int fails.
   int whole(const std::string& key) const;
   std::vector<std::array<int, 3>> index_triples(const std::string& key) const;
+  std::vector<std::array<int, 4>> index_quads(const std::string& key) const;
+  bool flag(const std::string& key) const;
   std::vector<Vec3> vectors(const std::string& key) const;
   std::vector<Vec3> unit_vectors(const std::string& key) const;
   ModelReader inner(const std::string& key) const;
 
  private:
-  const json& triples(const std::string& key) const;
+  const json& rows(const std::string& key, std::size_t size) const;
+  template <std::size_t N>
+  std::vector<std::array<int, N>> index_rows(const std::string& key) const;
 
   const std::filesystem::path& path_;
   const json& object_;
@@ -48,6 +52,9 @@ std::string json_head(const char* model);
 
 /// A file's text, and its surface again.
 std::string text_of(const SplineModel& model, const Parameters& parameters);
+std::string text_of(const CatmullClarkModel& model, const Parameters& parameters);
+std::string text_of(const SlimeModel& model, const Parameters& parameters);
 Surface read_spline_model(const ModelReader& reader);
+Surface read_quad_model(const ModelReader& reader);  ///< "catmull-clark" or "slime"
 
 }  // namespace pellicle

@@ -121,6 +121,12 @@ void finish_layout(SampleLayout& layout, LinearStencils stencils, const QuadGrid
   for (Vec3& x : layout.reference) x.normalize();
 }
 
+int refinements_of(const QuadTopology& topology) {
+  int count = 0;
+  for (std::size_t quads = topology.quads.size(); quads >= 24; quads /= 4) ++count;
+  return count;
+}
+
 std::vector<Vec3> points_of(const Parameters& parameters) {
   std::vector<Vec3> points(parameters.size() / 3);
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = Vec3(parameters.data() + 3 * i);

@@ -66,6 +66,9 @@ void add_patch(SampleLayout& layout, LinearStencils& stencils, const std::vector
 void finish_layout(SampleLayout& layout, LinearStencils stencils, const QuadGrid& grid, int level,
                    const std::vector<int>& sample_of_node, const QuadReference& reference);
 
+/// How often a cube would be split 1 -> 4 to have about so many quads.
+int refinements_of(const QuadTopology& topology);
+
 std::vector<Vec3> points_of(const Parameters& parameters);
 Parameters parameters_of(const std::vector<Vec3>& points);
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/surface/gauss_legendre.h"
 
 namespace pellicle {
 namespace {
@@ -251,29 +252,6 @@ void add_monomial(const Label& label, const Coordinates& c, double factor, Eigen
   }
 }
 
-/// Gauss-Legendre on [0, 1]: (place, weight), by Newton's method on the Legendre polynomial.
-std::vector<std::pair<double, double>> gauss_points(int count) {
-  std::vector<std::pair<double, double>> result;
-  result.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5)), slope = 1;
-    for (int step = 0; step < 20; ++step) {
-      double before = 1, value = x;
-      for (int k = 2; k <= count; ++k) {
-        const double next = ((2 * k - 1) * x * value - (k - 1) * before) / k;
-        before = value;
-        value = next;
-      }
-      slope = count * (x * value - before) / (x * x - 1);
-      const double move = value / slope;
-      x -= move;
-      if (std::abs(move) < 1e-16) break;
-    }
-    result.emplace_back((1 - x) / 2, 1 / ((1 - x * x) * slope * slope));
-  }
-  return result;
-}
-
 /// The permutation of the net that a turn of the polygon by `turns` corners makes.
 Eigen::Index turned(Eigen::Index point, int turns, int n) {
   if (point == 0) return 0;
@@ -330,17 +308,18 @@ SlimeWeights SlimeBasis::at(const std::vector<Eigen::Vector2d>& points, bool sec
 Eigen::MatrixXd SlimeBasis::stiffness() const {
   const int n = valence_;
   // The coordinates are rational: more points the closer their poles come to the polygon.
-  const auto gauss = gauss_points(n <= 4 ? 16 : 4 * n + 6);
+  const Quadrature gauss = gauss_legendre(n <= 4 ? 16 : 4 * n + 6);
   const Eigen::Vector2d a = corner(0), b = corner(1);
   const double twice_area = a.x() * b.y() - a.y() * b.x();
   std::vector<Eigen::Vector2d> points;
   std::vector<double> weights;
-  points.reserve(gauss.size() * gauss.size());
+  points.reserve(gauss.at.size() * gauss.at.size());
   weights.reserve(points.capacity());
-  for (const auto& [r, weight_r] : gauss) {
-    for (const auto& [s, weight_s] : gauss) {
+  for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+    for (std::size_t j = 0; j < gauss.at.size(); ++j) {
+      const double r = gauss.at[i], s = gauss.at[j];
       points.emplace_back(r * ((1 - s) * a + s * b));
-      weights.push_back(weight_r * weight_s * r * twice_area);
+      weights.push_back(gauss.weight[i] * gauss.weight[j] * r * twice_area);
     }
   }
   const SlimeWeights w = at(points, true);

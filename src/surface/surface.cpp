@@ -33,6 +33,10 @@ SurfaceModel start_model(const ModelChoice& choice) {
       return start_spline(SplineTopology::cylinder);
     case ModelKind::spline_rectangle:
       return start_spline(SplineTopology::rectangle);
+    case ModelKind::catmull_clark:
+      return CatmullClarkModel::start();
+    case ModelKind::slime:
+      return SlimeModel::start();
   }
   return NormalModel::start(choice.solid, choice.rule);
 }
@@ -72,7 +76,8 @@ Mat3 turned_to(const Vec3& d) {
   return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), d.z() < 0.0 ? Vec3(-d) : d).toRotationMatrix();
 }
 
-Mat3 posed(const NormalModel&, const Mat3& shape) {
+template <class Model>
+Mat3 posed(const Model& /*without axes*/, const Mat3& shape) {
   return shape;
 }
 

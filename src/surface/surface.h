@@ -5,7 +5,9 @@
 #include <variant>
 
 #include "pellicle/mesh/triangle_mesh.h"
+#include "pellicle/surface/catmull_clark_model.h"
 #include "pellicle/surface/normal_model.h"
+#include "pellicle/surface/slime_model.h"
 #include "pellicle/surface/spline_model.h"
 
 namespace pellicle {
@@ -13,10 +15,10 @@ namespace pellicle {
 /// One class of models each. All have blocks(), reference() (parameters of the reference shape, see SampleLayout),
 /// layout(level), evaluate(), pull_back(), refine(), base_facets() (triangles at level 0, about four times as many a
 /// level), degrees_of_freedom(), refinements(), is_closed(), control_mesh(parameters) and name().
-using SurfaceModel = std::variant<NormalModel, SplineModel>;
+using SurfaceModel = std::variant<NormalModel, SplineModel, CatmullClarkModel, SlimeModel>;
 
 /// The open ones (cylinder, rectangle) enclose no volume: a fit to an image refuses them.
-enum class ModelKind { normal, spline, spline_torus, spline_cylinder, spline_rectangle };
+enum class ModelKind { normal, spline, spline_torus, spline_cylinder, spline_rectangle, catmull_clark, slime };
 
 /// Which model a fit starts with.
 struct ModelChoice {
