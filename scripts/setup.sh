@@ -11,7 +11,7 @@ packages=(
   libinsighttoolkit5-dev libgdcm-dev libnifti-dev libtiff-dev zlib1g-dev
   libceres-dev libeigen3-dev libopenvdb-dev libboost-iostreams-dev libembree-dev libosd-dev libtbb-dev
   libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libspdlog-dev libfmt-dev libpugixml-dev libssl-dev libpng-dev
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libnanoflann-dev
   clang-format clang-tidy
   python3 python3-nibabel python3-numpy python3-jsonschema
   mricron-data

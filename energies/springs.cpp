@@ -1,0 +1,156 @@
+#include "pellicle/energies/springs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/base/parallel.h"
+#include "pellicle/energies/geometry.h"
+#include "pellicle/energies/profiles.h"
+
+namespace pellicle {
+
+namespace {
+
+// By areas in the triangle's own plane; a corner where it has none.
+Vec3 barycentric_of(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = (b - a).cross(c - a);
+  const double n2 = n.squaredNorm();
+  if (!(n2 > 0.0)) return {1.0, 0.0, 0.0};
+  const double u = (b - x).cross(c - x).dot(n) / n2, v = (c - x).cross(a - x).dot(n) / n2;
+  const Vec3 w = Vec3(u, v, 1.0 - u - v).cwiseMax(0.0);
+  return w / w.sum();
+}
+
+Attachment attachment_at(const Vec3& y, const ClosestPoint::Hit& hit, const SampleLayout& layout,
+                         const SurfaceSamples& samples) {
+  Attachment out;
+  if (hit.triangle < 0) return out;
+  out.triangle = hit.triangle;
+  const auto& t = layout.triangles[static_cast<std::size_t>(hit.triangle)];
+  const auto at = [&](int i) { return static_cast<std::size_t>(t[static_cast<std::size_t>(i)]); };
+  out.barycentric = barycentric_of(hit.point, samples.x[at(0)], samples.x[at(1)], samples.x[at(2)]);
+  Vec3 mean = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const Vec3& n = samples.normal[at(i)];
+    mean += out.barycentric[i] * n;
+    out.lift += 0.5 * out.barycentric[i] * n.dot(samples.x[at(i)] - hit.point) * n;
+  }
+  const double length = mean.norm();
+  const Vec3 facet = (samples.x[at(1)] - samples.x[at(0)]).cross(samples.x[at(2)] - samples.x[at(0)]);
+  out.normal = length > 1e-6 ? Vec3(mean / length) : Vec3(facet.normalized());
+  // Where normals of a facet disagree wildly the parabola means nothing.
+  if (!(length > 0.7)) out.lift.setZero();
+  const Vec3 r = y - hit.point - out.lift;
+  out.offset = out.normal.dot(r);
+  out.distance = r.norm();
+  return out;
+}
+
+}  // namespace
+
+std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleLayout& layout,
+                               const SurfaceSamples& samples) {
+  const ClosestPoint nearest(mesh_of(layout, samples));
+  std::vector<Attachment> out(points.size());
+  parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      out[k] = attachment_at(points[k], nearest.query(points[k]), layout, samples);
+    }
+  });
+  return out;
+}
+
+ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& points,
+                       const std::vector<Attachment>& attachments, const std::vector<double>& weights, double total,
+                       double sliding_share, double energy_weight) {
+  ScalarRows rows;
+  if (!(total > 0.0)) return rows;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Attachment& a = attachments[k];
+    const double w = weights.empty() ? 1.0 : weights[k];
+    if (a.triangle < 0 || !(w > 0.0)) continue;
+    const double root = std::sqrt(2.0 * energy_weight * w / total);
+    const auto& t = layout.triangles[static_cast<std::size_t>(a.triangle)];
+    const auto add = [&](const Vec3& direction, double scale) {
+      for (int i = 0; i < 3; ++i) {
+        if (a.barycentric[i] > 0.0) rows.add(t[static_cast<std::size_t>(i)], scale * a.barycentric[i] * direction);
+      }
+      rows.close(scale * direction.dot(points[k] - a.lift));
+    };
+    add(a.normal, root);
+    if (sliding_share > 0.0) {
+      const Vec3 t1 = a.normal.unitOrthogonal(), t2 = a.normal.cross(t1);
+      const double share = root * std::sqrt(sliding_share);
+      add(t1, share);
+      add(t2, share);
+    }
+  }
+  return rows;
+}
+
+ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
+                               const std::vector<Vec3>& data_normals, double reach, double energy_weight) {
+  std::vector<ClosestPoint::Hit> hits(samples.x.size());
+  parallel_for(hits.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) hits[i] = data.query(samples.x[i], reach);
+  });
+  const double total = sum(area);
+  ScalarRows rows;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const ClosestPoint::Hit& hit = hits[i];
+    if (hit.triangle < 0) continue;
+    Vec3 m = samples.x[i] - hit.point;
+    const double distance = m.norm();
+    // On the surface itself the direction of the distance is lost: its normal stands for it.
+    const Vec3& n = samples.normal[i];
+    m = distance > 1e-9 * reach ? Vec3(m / distance) : n;
+    if (!data_normals.empty() && data_normals[static_cast<std::size_t>(hit.triangle)].dot(n) < 0.0) continue;
+    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+    rows.add(static_cast<int>(i), root * m);
+    rows.close(root * m.dot(hit.point));
+  }
+  return rows;
+}
+
+std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor) {
+  std::vector<double> sizes;
+  sizes.reserve(distances.size());
+  for (const double d : distances) sizes.push_back(std::abs(d));
+  const double c = cutoff * std::max(floor, 1.4826 * median_of(sizes));
+  std::vector<double> weights(distances.size());
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const double q = 1.0 - distances[k] * distances[k] / (c * c);
+    weights[k] = q > 0.0 ? q * q : 0.0;
+  }
+  return weights;
+}
+
+ScalarRows sliding_rows(const SurfaceSamples& samples, const std::vector<double>& area, double energy_weight) {
+  const double total = sum(area);
+  ScalarRows rows;
+  for (std::size_t i = 0; i < samples.x.size(); ++i) {
+    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+    const Vec3 t1 = samples.normal[i].unitOrthogonal(), t2 = samples.normal[i].cross(t1);
+    for (const Vec3& t : {t1, t2}) {
+      rows.add(static_cast<int>(i), root * t);
+      rows.close(root * t.dot(samples.x[i]));
+    }
+  }
+  return rows;
+}
+
+ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight) {
+  const double total = sum(area);
+  ScalarRows rows;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+    if (!(root > 0.0)) continue;
+    for (int c = 0; c < 3; ++c) {
+      rows.add(static_cast<int>(i), root * Vec3::Unit(c));
+      rows.close(root * targets[i][c]);
+    }
+  }
+  return rows;
+}
+
+}  // namespace pellicle

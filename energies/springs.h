@@ -1,0 +1,55 @@
+#pragma once
+/// springs: pull the surface to given points (expert points, scans, other surfaces); mm^2.
+///
+/// E = sum_k (w_k/W) [ (n_k . r_k)^2 + s |(I - n_k n_k^T) r_k|^2 ],   r_k = x(k) - y_k,   W = sum of the weights before
+///   they are made robust
+/// y_k a data point, x(k) = sum_j b_kj x_j + lift_k the point of the surface nearest to it, n_k the surface normal
+/// there. Triangle and barycentric weights b are held in a step, so rows are linear in the samples; s = 0 is the
+/// distance to the tangent plane (the data point may slide), s = 1 to the point. The lift carries the flat facet to the
+/// smooth surface: half the mean height of the corners' tangent planes, exact to third order in the facet size.
+///
+/// The reverse springs pull every sample to the nearest place of a closed data surface:
+/// E = sum_i (A_i/A) w_i (m_i . (x_i - y_i))^2, m_i the direction of the distance.
+
+#include "pellicle/energies/rows.h"
+#include "pellicle/mesh/distance.h"
+#include "pellicle/surface/samples.h"
+
+namespace pellicle {
+
+/// The place of the surface nearest to a data point.
+struct Attachment {
+  int triangle = -1;  ///< of the layout; -1: none
+  Vec3 barycentric = Vec3::Zero();
+  Vec3 lift = Vec3::Zero();    ///< mm, from the facet to the smooth surface
+  Vec3 normal = Vec3::Zero();  ///< outward unit normal of the surface
+  double offset = 0.0;         ///< n . (y - x), mm: positive where the data lie outside
+  double distance = 0.0;       ///< |y - x|, mm
+};
+
+/// Threads over points, deterministic.
+std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleLayout& layout,
+                               const SurfaceSamples& samples);
+
+/// \param weights one a point, >= 0; empty: 1 each. Points without weight or attachment give no rows.
+/// \param total what the weights are divided by (W above); the energy does not fall when weights are made robust.
+ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& points,
+                       const std::vector<Attachment>& attachments, const std::vector<double>& weights, double total,
+                       double sliding_share, double energy_weight);
+
+/// Reverse springs. \param area of the samples. \param reach mm: samples further from the data get no row.
+/// \param data_normals of the data mesh's facets: places that face the other way are not taken; empty: all are.
+ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
+                               const std::vector<Vec3>& data_normals, double reach, double energy_weight);
+
+/// Tukey's biweight (1 - (r/c)^2)^2 within c = `cutoff` robust deviations of the distances, 0 beyond; the deviation is
+/// at least `floor` mm.
+std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor);
+
+/// Rows that hold samples where they are along the surface: E = sum_i (A_i/A) |(I - n_i n_i^T)(x_i - x0_i)|^2.
+ScalarRows sliding_rows(const SurfaceSamples& samples, const std::vector<double>& area, double energy_weight);
+
+/// E = sum_i (A_i/A) |x_i - y_i|^2: every sample to a place of its own. \pre one target a sample.
+ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight);
+
+}  // namespace pellicle

@@ -1,0 +1,74 @@
+#pragma once
+/// Fitting a surface to geometry: points or a closed surface, no image.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pellicle/fit/fit.h"
+#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/surface/surface.h"
+
+namespace pellicle {
+
+/// What is fitted to, LPS mm.
+struct GeometryData {
+  std::vector<Vec3> points;
+  std::vector<Vec3> normals;            ///< outward, one a point; empty: not known
+  std::vector<double> weights;          ///< one a point, >= 0; empty: all alike
+  std::optional<TriangleMesh> surface;  ///< closed and outward when the data are one: samples are pulled to it as well
+  bool robust = true;                   ///< points far off are outliers
+  double diameter = 0.0;                ///< mm, see diameter_of
+};
+/// Largest distance between two points (extremes along 200 directions), mm. 0 for fewer than two.
+double diameter_of(const std::vector<Vec3>& points);
+
+/// A first guess which place of the data belongs to which place of the reference shape. Known for spheres
+/// (mesh/sphere_map.h); a model that starts near the data needs none.
+struct Correspondence {
+  SphereMap map;
+  Mat3 map_from_reference = Mat3::Identity();  ///< a rotation: where the reference shape's axes lie on the map
+};
+
+struct PointFitSettings {
+  int max_steps = 25;         ///< springs attached anew so often at most, a level
+  double smoothness = 1.0;    ///< factor of the bending energy
+  double improvement = 0.01;  ///< a level ends when a step gains less, as a share of the residual
+};
+
+/// Residuals in mm; of the data to the surface (`to_surface`), of the surface to the data.
+struct Residual {
+  double rms = 0.0, p95 = 0.0, max = 0.0;
+};
+struct PointFitSummary {
+  int control_points = 0, degrees_of_freedom = 0, steps = 0, solver_iterations = 0;
+  std::string reason;          ///< "converged", "step limit", ...
+  double held_out_rms = -1.0;  ///< mm, of the points left out; -1: none were
+  Residual to_surface, to_data;
+  double inlier_rms = 0.0;  ///< mm, data to surface, robust weights
+  std::size_t self_intersections = 0;
+  double seconds = 0.0;
+};
+struct PointFit {
+  Surface surface;
+  PointFitSummary summary;
+};
+
+/// Places the reference shape so that a model of few control points follows the map best: for the spline this says
+/// where the poles go. \param probe a model of the kind that will be fitted, with about a hundred control points.
+Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe);
+
+/// Fits a model from scratch: least squares to the places that the correspondence names, then springs, attached anew
+/// until the residual stops falling. \param hold_out every tenth point takes no part; its residual is in the summary.
+/// \throws BadData when model and data do not fit together (no reference shape); Interrupted.
+PointFit fit_to_map(const SurfaceModel& model, const GeometryData& data, const Correspondence& correspondence,
+                    const PointFitSettings& settings, bool hold_out);
+/// The same for a surface that is near the data already.
+PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out);
+
+/// Residuals both ways and self-intersections, measured on a dense mesh of the surface.
+void measure_fit(const GeometryData& data, PointFit& fit);
+/// The mesh that measure_fit looks at: about as many facets as it takes, at most 250,000.
+TriangleMesh measuring_mesh(const Surface& surface);
+
+}  // namespace pellicle

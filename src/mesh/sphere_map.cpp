@@ -1,0 +1,365 @@
+#include "pellicle/mesh/sphere_map.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/mesh/collapse.h"
+#include "pellicle/mesh/measure.h"
+
+namespace pellicle {
+
+namespace {
+
+std::size_t idx(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+double det(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return a.cross(b).dot(c);
+}
+
+/// What one triangle of the surface asks for: constant while vertices move on the sphere.
+struct TriangleCost {
+  double area = 0.0;
+  std::array<double, 3> opposite2{};  ///< squared length of the side opposite to each corner
+};
+
+/// A triangle seen from the vertex that moves: the other two corners in order.
+struct Wedge {
+  Vec3 a, b, cross;  ///< cross = a x b: det = cross . p
+  double area, p2, a2, b2;
+};
+
+/// Stretch of the triangles around p. E_T = A N/(2 D^2), D = det(p, a, b), N = sum of (cosine terms at a corner) x
+/// (opposite side)^2: twice the Dirichlet energy of the map over the domain's area, with D/2 for that area.
+class Star {
+ public:
+  std::vector<Wedge> wedges;
+
+  double energy(const Vec3& p) const {
+    double total = 0.0;
+    for (const Wedge& w : wedges) {
+      const double D = w.cross.dot(p);
+      if (!(D > kLeast)) return std::numeric_limits<double>::infinity();
+      total += w.area * numerator(w, p) / (2.0 * D * D);
+    }
+    return total;
+  }
+
+  /// Gradient and Hessian by p as a free vector.
+  void differentiate(const Vec3& p, Vec3& gradient, Mat3& hessian) const {
+    gradient.setZero();
+    hessian.setZero();
+    for (const Wedge& w : wedges) {
+      const double D = w.cross.dot(p), N = numerator(w, p), c = 0.5 * w.area / (D * D);
+      const Vec3 dN = w.p2 * (2.0 * p - w.a - w.b) + w.a2 * (w.b - w.a) + w.b2 * (w.a - w.b);
+      gradient += c * (dN - 2.0 * N / D * w.cross);
+      hessian += c * (2.0 * w.p2 * Mat3::Identity() - 2.0 / D * (dN * w.cross.transpose() + w.cross * dN.transpose()) +
+                      6.0 * N / (D * D) * w.cross * w.cross.transpose());
+    }
+  }
+
+ private:
+  static constexpr double kLeast = 1e-14;
+  static double numerator(const Wedge& w, const Vec3& p) {
+    return w.p2 * (w.a - p).dot(w.b - p) + w.a2 * (w.b - w.a).dot(p - w.a) + w.b2 * (p - w.b).dot(w.a - w.b);
+  }
+};
+
+/// Convex polygon in a tangent plane, clipped by half planes.
+using Polygon = std::vector<Eigen::Vector2d>;
+
+Polygon clipped(const Polygon& in, double c, const Eigen::Vector2d& g) {
+  Polygon out;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const Eigen::Vector2d &p = in[i], &q = in[(i + 1) % in.size()];
+    const double sp = c + g.dot(p), sq = c + g.dot(q);
+    if (sp >= 0.0) out.push_back(p);
+    if ((sp > 0.0 && sq < 0.0) || (sp < 0.0 && sq > 0.0)) out.push_back(p + sp / (sp - sq) * (q - p));
+  }
+  return out;
+}
+
+class Mapper {
+ public:
+  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings)
+      : mesh_(mesh), settings_(settings), collapsed_(mesh), place_(mesh.vertices.size(), Vec3::Zero()) {}
+
+  SphereMap run() {
+    if (collapsed_.vertex_count() != 4) throw BadData("spherical map (mesh): it cannot be reduced to a tetrahedron");
+    start();
+    int next = 8;
+    const int most = std::min(settings_.max_vertices, collapsed_.all_vertices());
+    while (collapsed_.vertex_count() < most) {
+      insert(collapsed_.split());
+      if (collapsed_.vertex_count() >= next || collapsed_.vertex_count() == most) {
+        check_interrupt();
+        relax_all(collapsed_.vertex_count() < 500 ? 2 * settings_.sweeps : settings_.sweeps);
+        next = std::max(next + 4, collapsed_.vertex_count() * 5 / 4);
+      }
+    }
+    relax_all(3 * settings_.sweeps);
+    return result();
+  }
+
+ private:
+  void start() {
+    int first = 0;
+    while (!collapsed_.has_triangle(first)) ++first;
+    const auto& t = collapsed_.triangle(first);
+    int fourth = 0;
+    while (!collapsed_.has_vertex(fourth) || std::find(t.begin(), t.end(), fourth) != t.end()) ++fourth;
+    // Seen from outside the triangle runs counter-clockwise, with the fourth corner behind it.
+    place_[idx(t[0])] = Vec3(1, 1, 1).normalized();
+    place_[idx(t[1])] = Vec3(-1, 1, -1).normalized();
+    place_[idx(t[2])] = Vec3(1, -1, -1).normalized();
+    place_[idx(fourth)] = Vec3(-1, -1, 1).normalized();
+    if (det(place_[idx(t[0])], place_[idx(t[1])], place_[idx(t[2])]) < 0.0) {
+      std::swap(place_[idx(t[1])], place_[idx(t[2])]);
+    }
+  }
+
+  TriangleCost cost_of(int triangle, double mean_area) const {
+    const auto& c = collapsed_.triangle(triangle);
+    const Vec3 &a = mesh_.vertices[idx(c[0])], &b = mesh_.vertices[idx(c[1])], &d = mesh_.vertices[idx(c[2])];
+    // A small share for every triangle, or slivers would get no place at all.
+    constexpr double kShare = 1e-2;
+    TriangleCost cost;
+    cost.area = 0.5 * (b - a).cross(d - a).norm() + kShare * mean_area;
+    cost.opposite2 = {(d - b).squaredNorm() + kShare * mean_area, (a - d).squaredNorm() + kShare * mean_area,
+                      (b - a).squaredNorm() + kShare * mean_area};
+    return cost;
+  }
+
+  double mean_area() const { return area_ / (2.0 * collapsed_.vertex_count() - 4.0); }
+
+  Star star_of(int v) const {
+    Star star;
+    star.wedges.reserve(collapsed_.triangles_at(v).size());
+    for (const int t : collapsed_.triangles_at(v)) {
+      const auto& c = collapsed_.triangle(t);
+      const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
+      const TriangleCost cost = cost_of(t, mean_area());
+      const Vec3 &a = place_[idx(c[j])], &b = place_[idx(c[k])];
+      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k]});
+    }
+    return star;
+  }
+
+  // Into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner of it.
+  void insert(const Collapse& c) {
+    const Vec3 n = place_[idx(c.kept)];
+    const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+    Polygon kernel{{-8.0, -8.0}, {8.0, -8.0}, {8.0, 8.0}, {-8.0, 8.0}};
+    for (const int t : collapsed_.triangles_at(c.gone)) {
+      const auto& corner = collapsed_.triangle(t);
+      const std::size_t i = corner[0] == c.gone ? 0 : corner[1] == c.gone ? 1 : 2;
+      const int a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
+      const Vec3 normal = place_[idx(a)].cross(place_[idx(b)]);
+      const double at_kept = a == c.kept || b == c.kept ? 0.0 : normal.dot(n);
+      kernel = clipped(kernel, at_kept, {normal.dot(t1), normal.dot(t2)});
+    }
+    if (kernel.size() < 3) throw BadData("spherical map (mesh): a vertex found no place; the mesh is too badly shaped");
+    Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+    for (const auto& p : kernel) centre += p / static_cast<double>(kernel.size());
+    place_[idx(c.gone)] = (n + centre.x() * t1 + centre.y() * t2).normalized();
+    relax(c.gone);
+    relax(c.gone);
+    for (const int t : collapsed_.triangles_at(c.gone)) {
+      const auto& corner = collapsed_.triangle(t);
+      const std::size_t i = corner[0] == c.gone ? 0 : corner[1] == c.gone ? 1 : 2;
+      relax(corner[(i + 1) % 3]);
+    }
+    relax(c.gone);
+  }
+
+  // One damped Newton step of one vertex; returns how far it went.
+  double relax(int v) {
+    const Star star = star_of(v);
+    Vec3& p = place_[idx(v)];
+    const double before = star.energy(p);
+    if (!std::isfinite(before)) return 0.0;
+    Vec3 g3;
+    Mat3 H3;
+    star.differentiate(p, g3, H3);
+    Eigen::Matrix<double, 3, 2> T;
+    T.col(0) = p.unitOrthogonal();
+    T.col(1) = p.cross(T.col(0));
+    const Eigen::Vector2d g = T.transpose() * g3;
+    // E depends on |p| as well: what the sphere's curvature adds.
+    Eigen::Matrix2d H = T.transpose() * H3 * T - g3.dot(p) * Eigen::Matrix2d::Identity();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H);
+    const double top = eigen.eigenvalues().cwiseAbs().maxCoeff();
+    if (!(top > 0.0)) return 0.0;
+    const Eigen::Vector2d scale = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6 * top).cwiseInverse();
+    const Eigen::Vector2d step = -(eigen.eigenvectors() * scale.asDiagonal() * eigen.eigenvectors().transpose() * g);
+    double share = std::min(1.0, 0.5 / std::max(step.norm(), 1e-300));
+    for (int attempt = 0; attempt < 8; ++attempt, share *= 0.4) {
+      const Vec3 trial = (p + T * (share * step)).normalized();
+      if (star.energy(trial) < before) {
+        const double moved = (trial - p).norm();
+        p = trial;
+        return moved;
+      }
+    }
+    return 0.0;
+  }
+
+  void relax_all(int sweeps) {
+    area_ = 0.0;
+    for (int t = 0; t < collapsed_.all_triangles(); ++t) {
+      if (!collapsed_.has_triangle(t)) continue;
+      const auto& c = collapsed_.triangle(t);
+      area_ += 0.5 * (mesh_.vertices[idx(c[1])] - mesh_.vertices[idx(c[0])])
+                         .cross(mesh_.vertices[idx(c[2])] - mesh_.vertices[idx(c[0])])
+                         .norm();
+    }
+    std::vector<int> present;
+    for (int v = 0; v < collapsed_.all_vertices(); ++v) {
+      if (collapsed_.has_vertex(v)) present.push_back(v);
+    }
+    const double mean_edge = std::sqrt(8.0 * std::numbers::pi / static_cast<double>(present.size()));
+    for (int s = 0; s < sweeps; ++s) {
+      double moved = 0.0;
+      // There and back, so that no end is always last.
+      if (s % 2 == 0) {
+        for (const int v : present) moved += relax(v);
+      } else {
+        for (auto v = present.rbegin(); v != present.rend(); ++v) moved += relax(*v);
+      }
+      if (moved < 1e-4 * mean_edge * static_cast<double>(present.size())) break;
+    }
+  }
+
+  SphereMap result() const {
+    SphereMap map;
+    std::vector<int> number(mesh_.vertices.size(), -1);
+    for (int v = 0; v < collapsed_.all_vertices(); ++v) {
+      if (!collapsed_.has_vertex(v)) continue;
+      number[idx(v)] = static_cast<int>(map.mesh.vertices.size());
+      map.mesh.vertices.push_back(mesh_.vertices[idx(v)]);
+      map.direction.push_back(place_[idx(v)]);
+    }
+    double area = 0.0, energy = 0.0;
+    for (int t = 0; t < collapsed_.all_triangles(); ++t) {
+      if (!collapsed_.has_triangle(t)) continue;
+      const auto& c = collapsed_.triangle(t);
+      map.mesh.triangles.push_back({number[idx(c[0])], number[idx(c[1])], number[idx(c[2])]});
+      const TriangleCost cost = cost_of(t, 0.0);
+      const Vec3 &p = place_[idx(c[0])], &a = place_[idx(c[1])], &b = place_[idx(c[2])];
+      Star star;
+      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2]});
+      energy += star.energy(p);
+      area += cost.area;
+      if (!(spherical_area(p, a, b) > 0.0))
+        throw BadData("spherical map (mesh): a facet folded; the mesh is too badly shaped");
+    }
+    map.stretch = energy * 4.0 * std::numbers::pi / (area * area);
+    return map;
+  }
+
+  const TriangleMesh& mesh_;
+  const SphereMapSettings& settings_;
+  CollapsedMesh collapsed_;
+  std::vector<Vec3> place_;
+  double area_ = 0.0;
+};
+
+}  // namespace
+
+double spherical_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 2.0 * std::atan2(det(a, b, c), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+}
+
+SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings) {
+  check_indices(mesh);
+  const MeshTopology topology = topology_of(mesh);
+  if (!topology.closed || !topology.manifold || !topology.oriented) {
+    throw BadData(fmt::format("spherical map (mesh): it is no closed surface ({})", topology.first_fault));
+  }
+  if (topology.components != 1 || topology.genus != 0) {
+    throw BadData(fmt::format("spherical map (mesh): it has {} parts of genus {} in all; one of genus 0 is needed",
+                              topology.components, topology.genus));
+  }
+  std::vector<int> number(mesh.vertices.size(), -1);
+  TriangleMesh used;
+  for (const auto& t : mesh.triangles) {
+    std::array<int, 3> renumbered{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      int& n = number[idx(t[i])];
+      if (n < 0) {
+        n = static_cast<int>(used.vertices.size());
+        used.vertices.push_back(mesh.vertices[idx(t[i])]);
+      }
+      renumbered[i] = n;
+    }
+    used.triangles.push_back(renumbered);
+  }
+  return Mapper(used, settings).run();
+}
+
+SphereLocator::SphereLocator(const SphereMap& map) : map_(map), across_(map.mesh.triangles.size()) {
+  std::map<std::pair<int, int>, int> owner;
+  for (std::size_t t = 0; t < across_.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      owner[{map.mesh.triangles[t][i], map.mesh.triangles[t][(i + 1) % 3]}] = static_cast<int>(t);
+    }
+  }
+  for (std::size_t t = 0; t < across_.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      across_[t][i] = owner.at({map.mesh.triangles[t][(i + 1) % 3], map.mesh.triangles[t][i]});
+    }
+  }
+}
+
+SphereLocator::Place SphereLocator::locate(const Vec3& direction, int hint) const {
+  const Vec3 d = direction.normalized();
+  const auto sides = [&](int t) {
+    const auto& c = map_.mesh.triangles[idx(t)];
+    const Vec3 &p = map_.direction[idx(c[0])], &q = map_.direction[idx(c[1])], &r = map_.direction[idx(c[2])];
+    return Vec3(det(q, r, d), det(r, p, d), det(p, q, d));
+  };
+  const auto place_in = [&](int t, Vec3 w) {
+    w = w.cwiseMax(0.0);
+    return Place{t, w / w.sum()};
+  };
+  const auto in_front = [&](int t) { return map_.direction[idx(map_.mesh.triangles[idx(t)][0])].dot(d) > 0.0; };
+  int t = hint >= 0 ? hint : 0;
+  for (std::size_t step = 0; step < across_.size(); ++step) {
+    const Vec3 w = sides(t);
+    int worst = 0;
+    const double least = w.minCoeff(&worst);
+    if (least >= 0.0 && in_front(t)) return place_in(t, w);
+    // Behind the origin all three may be positive: any way out will do.
+    t = across_[idx(t)][idx((worst + 1) % 3)];
+  }
+  // A walk may circle; then every triangle is asked.
+  double best = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < static_cast<int>(across_.size()); ++k) {
+    const Vec3 w = sides(k);
+    const double share = w.minCoeff() / std::max(w.cwiseAbs().maxCoeff(), 1e-300);
+    if (share > best && in_front(k)) {
+      best = share;
+      t = k;
+    }
+  }
+  return place_in(t, sides(t));
+}
+
+Vec3 SphereLocator::point_at(const Place& place) const {
+  Vec3 x = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    x += place.barycentric[static_cast<int>(i)] * map_.mesh.vertices[idx(map_.mesh.triangles[idx(place.triangle)][i])];
+  }
+  return x;
+}
+
+}  // namespace pellicle
