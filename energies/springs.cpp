@@ -125,18 +125,34 @@ std::vector<double> tukey_weights(const std::vector<double>& distances, double c
   return weights;
 }
 
-ScalarRows sliding_rows(const SurfaceSamples& samples, const std::vector<double>& area, double energy_weight) {
+ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,
+                        const std::vector<double>& area, double energy_weight) {
   const double total = sum(area);
   ScalarRows rows;
-  for (std::size_t i = 0; i < samples.x.size(); ++i) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
-    const Vec3 t1 = samples.normal[i].unitOrthogonal(), t2 = samples.normal[i].cross(t1);
+    const Vec3 t1 = normal[i].unitOrthogonal(), t2 = normal[i].cross(t1);
     for (const Vec3& t : {t1, t2}) {
       rows.add(static_cast<int>(i), root * t);
-      rows.close(root * t.dot(samples.x[i]));
+      rows.close(root * t.dot(targets[i]));
     }
   }
   return rows;
+}
+
+ScalarRows tangential_rows(const VectorRows& rows, const std::vector<Vec3>& normal, double energy_weight) {
+  const double root = std::sqrt(energy_weight);
+  ScalarRows out;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto begin = static_cast<std::size_t>(rows.start[r]), end = static_cast<std::size_t>(rows.start[r + 1]);
+    const Vec3& n = normal[static_cast<std::size_t>(rows.sample[begin])];
+    const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+    for (const Vec3& t : {t1, t2}) {
+      for (std::size_t k = begin; k < end; ++k) out.add(rows.sample[k], root * rows.coefficient[k] * t);
+      out.close(0.0);
+    }
+  }
+  return out;
 }
 
 ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight) {

@@ -46,8 +46,13 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
 /// at least `floor` mm.
 std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor);
 
-/// Rows that hold samples where they are along the surface: E = sum_i (A_i/A) |(I - n_i n_i^T)(x_i - x0_i)|^2.
-ScalarRows sliding_rows(const SurfaceSamples& samples, const std::vector<double>& area, double energy_weight);
+/// Rows that draw samples along the surface to places of their own: E = sum_i (A_i/A) |(I - n_i n_i^T)(x_i - y_i)|^2.
+ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,
+                        const std::vector<double>& area, double energy_weight);
+
+/// The rows of an operator along the surface only: n . (C x) is left alone, n the normal at the row's first sample. With
+/// bending (energies/bending.h) it smooths how the parameters run over the surface and not the surface itself.
+ScalarRows tangential_rows(const VectorRows& rows, const std::vector<Vec3>& normal, double energy_weight);
 
 /// E = sum_i (A_i/A) |x_i - y_i|^2: every sample to a place of its own. \pre one target a sample.
 ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight);

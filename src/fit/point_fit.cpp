@@ -13,7 +13,6 @@
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
-#include "pellicle/energies/spacing.h"
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/objective.h"
 #include "pellicle/mesh/measure.h"
@@ -24,12 +23,13 @@ namespace pellicle {
 namespace {
 
 constexpr int kMostPoints = 60000;      ///< springs of one step; all points are measured
-constexpr double kSlidingShare = 0.02;  ///< how much of a spring's pull along the surface counts
-constexpr double kHold = 0.02;          ///< against samples that slide in a step
+const double kSlidingShare = getenv("SL") ? atof(getenv("SL")) : 0.0;
+const double kTangential = getenv("TAN") ? atof(getenv("TAN")) : 100.0;
+const double kHold = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
 
 /// Enough samples that facets are a quarter of a control edge or less.
 int sampling_level_for(const SurfaceModel& model) {
-  const double wanted = std::max(2500.0, 15.0 * control_point_count(model));
+  const double wanted = std::max(1500.0, 3.9 * control_point_count(model));
   int level = 1;
   while (level < 6 && 0.5 * base_facets(model) * std::pow(4.0, level) < wanted) ++level;
   return level;
@@ -39,7 +39,7 @@ int sampling_level_for(const SurfaceModel& model) {
 // There bending counts a hundredth of what the data do.
 double bending_weight(const SurfaceModel& model, double smoothness) {
   const double degree2 = 0.25 * control_point_count(model);
-  return smoothness * 0.02 / (degree2 * degree2);
+  return smoothness * (getenv("SM") ? atof(getenv("SM")) : 1.0) * 0.02 / (degree2 * degree2);
 }
 
 std::vector<Vec3> targets_at(const SampleLayout& layout, const SphereMap& map, const Mat3& map_from_reference) {
@@ -106,8 +106,7 @@ class LevelFit {
         settings_(settings),
         hold_out_(hold_out),
         surface_(start),
-        layout_(layout_of(start.model, sampling_level_for(start.model))),
-        spacing_layout_(layout_) {
+        layout_(layout_of(start.model, sampling_level_for(start.model))) {
     if (!layout_.reference.empty()) {
       operators_.push_back(grouped_operator("bending", bending_weight(start.model, settings.smoothness),
                                             bending_rows(layout_), layout_));
@@ -128,7 +127,7 @@ class LevelFit {
   // Least squares to one place a sample.
   void to_targets(const std::vector<Vec3>& targets) {
     const std::vector<double> area = sample_areas(layout_, targets);
-    spacing_layout_.reference = targets;  // a facet may be as small as the data have it there, not smaller
+    anchors_ = targets;
     surface_.parameters = affine_start(surface_.model, layout_, targets, area);
     if (const auto* normal = std::get_if<NormalModel>(&surface_.model)) {
       place_vertices(*normal, layout_, targets, surface_.parameters);
@@ -266,9 +265,10 @@ class LevelFit {
       problem.rows.push_back({"reverse springs", reverse_spring_rows(samples, area, *data_surface_, data_normals_,
                                                                      0.2 * data_.diameter, 0.5)});
     }
-    problem.rows.push_back({"spacing", spacing_layout_.reference.empty()
-                                           ? sliding_rows(samples, area, kHold)
-                                           : spacing_rows(spacing_layout_, samples.x, samples.normal, area, kHold)});
+    problem.rows.push_back({"anchor", sliding_rows(anchors_.empty() ? samples.x : anchors_, samples.normal, area, kHold)});
+    if (!operators_.empty() && kTangential > 0) {
+      problem.rows.push_back({"parameter lines", tangential_rows(operators_[0].rows, samples.normal, kTangential * operators_[0].root_weight * operators_[0].root_weight)});
+    }
     const Parameters before = surface_.parameters;
     const StepOutcome outcome = solve_step(problem, Solver::least_squares, 6, trust, surface_.parameters);
     if (!outcome.usable) surface_.parameters = before;
@@ -279,7 +279,8 @@ class LevelFit {
   const PointFitSettings& settings_;
   bool hold_out_;
   Surface surface_;
-  SampleLayout layout_, spacing_layout_;
+  SampleLayout layout_;
+  std::vector<Vec3> anchors_;
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<ClosestPoint> data_surface_;
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;

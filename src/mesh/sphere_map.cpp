@@ -11,8 +11,10 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
+#include "pellicle/base/parallel.h"
 #include "pellicle/mesh/collapse.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/point_tree.h"
 
 namespace pellicle {
 
@@ -91,7 +93,13 @@ Polygon clipped(const Polygon& in, double c, const Eigen::Vector2d& g) {
 class Mapper {
  public:
   Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings)
-      : mesh_(mesh), settings_(settings), collapsed_(mesh), place_(mesh.vertices.size(), Vec3::Zero()) {}
+      : mesh_(mesh),
+        settings_(settings),
+        collapsed_(mesh),
+        place_(mesh.vertices.size(), Vec3::Zero()),
+        importance_(mesh.vertices.size(), 1.0) {
+    if (settings.fairness > 0.0) weigh();
+  }
 
   SphereMap run() {
     if (collapsed_.vertex_count() != 4) throw BadData("spherical map (mesh): it cannot be reduced to a tetrahedron");
@@ -136,7 +144,21 @@ class Mapper {
     cost.area = 0.5 * (b - a).cross(d - a).norm() + kShare * mean_area;
     cost.opposite2 = {(d - b).squaredNorm() + kShare * mean_area, (a - d).squaredNorm() + kShare * mean_area,
                       (b - a).squaredNorm() + kShare * mean_area};
+    // E is least when shares go with the root of the weight.
+    cost.area *= (importance_[idx(c[0])] + importance_[idx(c[1])] + importance_[idx(c[2])]) / 3.0;
     return cost;
+  }
+
+  void weigh() {
+    const std::vector<double> radius = inner_radii(mesh_);
+    std::vector<double> sorted = radius;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double median = sorted[sorted.size() / 2];
+    constexpr double kMost = 30.0;  // of a share: noise must not take the sphere
+    for (std::size_t v = 0; v < radius.size(); ++v) {
+      const double share = std::pow(median / std::max(radius[v], 1e-6 * median), settings_.fairness);
+      importance_[v] = std::pow(std::clamp(share, 1.0 / kMost, kMost), 2.0);
+    }
   }
 
   double mean_area() const { return area_ / (2.0 * collapsed_.vertex_count() - 4.0); }
@@ -239,7 +261,8 @@ class Mapper {
     }
   }
 
-  SphereMap result() const {
+  SphereMap result() {
+    importance_.assign(importance_.size(), 1.0);  // the stretch that is told is the plain one
     SphereMap map;
     std::vector<int> number(mesh_.vertices.size(), -1);
     for (int v = 0; v < collapsed_.all_vertices(); ++v) {
@@ -270,10 +293,57 @@ class Mapper {
   const SphereMapSettings& settings_;
   CollapsedMesh collapsed_;
   std::vector<Vec3> place_;
+  std::vector<double> importance_;
   double area_ = 0.0;
 };
 
 }  // namespace
+
+std::vector<double> inner_radii(const TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  std::vector<Vec3> normal(n, Vec3::Zero());
+  Vec3 lo = mesh.vertices.front(), hi = lo;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 area = (mesh.vertices[idx(t[1])] - mesh.vertices[idx(t[0])])
+                          .cross(mesh.vertices[idx(t[2])] - mesh.vertices[idx(t[0])]);
+    for (const int v : t) normal[idx(v)] += area;
+  }
+  for (const Vec3& v : mesh.vertices) {
+    lo = lo.cwiseMin(v);
+    hi = hi.cwiseMax(v);
+  }
+  const double most = 0.5 * (hi - lo).norm();
+  const PointTree tree(mesh.vertices);
+  std::vector<double> radius(n, most);
+  parallel_for(n, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Vec3& p = mesh.vertices[v];
+      const Vec3 inward = -normal[v].normalized();
+      if (!inward.allFinite()) continue;
+      for (int k = 0; k < 30; ++k) {
+        const auto near = tree.nearest(p + radius[v] * inward, 1).front();
+        if (near.distance >= radius[v] * (1.0 - 1e-6)) break;
+        const Vec3 to = mesh.vertices[idx(near.point)] - p;
+        const double height = inward.dot(to);
+        if (!(height > 0.0)) break;
+        radius[v] = 0.5 * to.squaredNorm() / height;
+      }
+    }
+  });
+  for (int round = 0; round < 3; ++round) {
+    std::vector<double> total(n, 0.0), count(n, 0.0);
+    for (const auto& t : mesh.triangles) {
+      for (const int v : t) {
+        for (const int w : t) {
+          total[idx(v)] += radius[idx(w)];
+          count[idx(v)] += 1.0;
+        }
+      }
+    }
+    for (std::size_t v = 0; v < n; ++v) radius[v] = count[v] > 0.0 ? total[v] / count[v] : radius[v];
+  }
+  return radius;
+}
 
 double spherical_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2.0 * std::atan2(det(a, b, c), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));

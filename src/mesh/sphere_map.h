@@ -17,6 +17,9 @@ namespace pellicle {
 struct SphereMapSettings {
   int max_vertices = 6000;  ///< the surface is simplified to so many (its vertices stay on the surface)
   int sweeps = 12;          ///< over all vertices at each density
+  /// Parts of inner radius r get a share of the sphere that grows as (R/r)^fairness, R the median of r: 0 treats all
+  /// parts alike, 2 gives thin limbs as many control points around as thick ones.
+  double fairness = 0.0;
 };
 
 /// The (simplified) surface and where its vertices lie on the unit sphere.
@@ -28,6 +31,10 @@ struct SphereMap {
 
 /// \throws BadData unless `mesh` is closed, manifold, oriented, outward, connected and of genus 0.
 SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings = {});
+
+/// Radius of the largest ball inside the surface that touches it at each vertex, mm, by shrinking (Ma, Bae, Choi 2012);
+/// averaged over neighbours, since the ball at a sharp edge is empty. \pre `mesh` is closed and outward.
+std::vector<double> inner_radii(const TriangleMesh& mesh);
 
 /// Signed area of the spherical triangle of three unit vectors (Van Oosterom, Strackee 1983).
 double spherical_area(const Vec3& a, const Vec3& b, const Vec3& c);
