@@ -1,0 +1,72 @@
+#pragma once
+/// `pellicle fit`: geometry from file to fitted surface, model, report.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pellicle/pipeline/geometry_input.h"
+#include "pellicle/pipeline/segment.h"
+
+namespace pellicle {
+
+/// Which residual the tolerance is about.
+enum class ToleranceOf { rms, p95, max };
+
+struct GeometryFitSettings {
+  std::string input;  ///< FILE, or FILE:LABEL for label maps
+  std::filesystem::path output;
+  std::string name;  ///< file stem; empty: the input's name without its extensions
+  ModelChoice model;
+  std::optional<int> detail;                              ///< refinements of the start model; with a tolerance: at most
+  std::optional<double> tolerance_mm, tolerance_percent;  ///< of the residual, data to surface
+  ToleranceOf tolerance_of = ToleranceOf::rms;
+  std::optional<std::array<int, 2>> size;  ///< M1, M2 of a spline
+  std::vector<int> ladder;                 ///< one fit of M x M control points each
+  double smoothness = 1.0;
+  std::vector<std::string> write{"mesh", "model", "report"};
+  MeshFormat mesh_format = MeshFormat::ply;
+  std::optional<int> mesh_density;  ///< default: about 100,000 facets
+  int threads = 0;
+  bool overwrite = false;
+
+  bool writes(const std::string& kind) const;
+  /// \throws UsageError naming the flag, its value and the rule.
+  void validate() const;
+};
+
+/// Status of one fit: "ok", "folded" (it cuts itself), "tolerance_missed".
+struct FittedSurface {
+  std::string name;  ///< "10 x 10" for a spline, "34 points" otherwise
+  PointFit fit;
+  std::string status, reason;
+};
+
+struct GeometryFitResult {
+  GeometryFitSettings settings;
+  GeometryInput input;
+  std::vector<FittedSurface> tried;  ///< all levels, in order
+  std::size_t chosen = 0;            ///< the one that is written
+  double stretch = 0.0;              ///< of the spherical map, 0: none was needed
+  TriangleMesh mesh;
+  MeshTopology topology;
+  double volume_ml = 0.0, area_mm2 = 0.0;
+  std::vector<InputFile> inputs;
+  std::vector<OutputFile> outputs;
+  std::vector<std::pair<std::string, double>> seconds;
+  int exit_code() const;  ///< 3 when a fit that was asked for is not ok
+};
+
+/// \throws what read_geometry and the writers throw; UsageError; CannotCreate before any work; Interrupted.
+GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunContext& context);
+
+/// "control_points rms_mm rms_percent max_mm max_percent self_intersections status seconds", and its heading.
+std::string heading_of_fits();
+std::string line_of(const FittedSurface& fitted, double diameter);
+
+/// The spline that interpolates a grid: sphere (rows 0 and M2 are the poles) or torus.
+/// \throws BadData when the grid is too small or its poles are no points.
+Surface interpolate_grid(const PointGrid& grid, SplineTopology topology);
+
+}  // namespace pellicle

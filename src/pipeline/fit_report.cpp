@@ -1,0 +1,143 @@
+#include "pellicle/pipeline/fit_report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pellicle/pipeline/line_plot.h"
+#include "pellicle/pipeline/provenance.h"
+
+namespace pellicle {
+using json = nlohmann::ordered_json;
+
+namespace {
+
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+json residual_json(const Residual& r, double diameter) {
+  const double percent = diameter > 0.0 ? 100.0 / diameter : 0.0;
+  return {{"rms_mm", number(r.rms)},
+          {"p95_mm", number(r.p95)},
+          {"max_mm", number(r.max)},
+          {"rms_percent", number(percent * r.rms)},
+          {"p95_percent", number(percent * r.p95)},
+          {"max_percent", number(percent * r.max)}};
+}
+
+json fit_json(const FittedSurface& fitted, double diameter) {
+  const PointFitSummary& s = fitted.fit.summary;
+  json out;
+  out["name"] = fitted.name;
+  out["status"] = fitted.status;
+  out["reason"] = fitted.reason;
+  out["convergence"] = s.reason;
+  out["model"] = {{"name", model_name(fitted.fit.surface.model)},
+                  {"control_points", s.control_points},
+                  {"degrees_of_freedom", s.degrees_of_freedom}};
+  out["data_to_surface"] = residual_json(s.to_surface, diameter);
+  out["surface_to_data"] = residual_json(s.to_data, diameter);
+  out["held_out_rms_mm"] = s.held_out_rms >= 0.0 ? number(s.held_out_rms) : json(nullptr);
+  out["inlier_rms_mm"] = number(s.inlier_rms);
+  out["self_intersections"] = s.self_intersections;
+  out["steps"] = s.steps;
+  out["solver_iterations"] = s.solver_iterations;
+  out["seconds"] = s.seconds;
+  return out;
+}
+
+const char* name_of_tolerance(ToleranceOf value) {
+  return value == ToleranceOf::rms ? "rms" : value == ToleranceOf::p95 ? "p95" : "max";
+}
+
+json settings_json(const GeometryFitSettings& s) {
+  json out;
+  out["input"] = s.input;
+  out["output"] = s.output.string();
+  out["name"] = s.name;
+  out["model"] = name_of(s.model.kind);
+  out["detail"] = s.detail ? json(*s.detail) : json(nullptr);
+  out["tolerance-mm"] = s.tolerance_mm ? json(*s.tolerance_mm) : json(nullptr);
+  out["tolerance-percent"] = s.tolerance_percent ? json(*s.tolerance_percent) : json(nullptr);
+  out["tolerance-of"] = name_of_tolerance(s.tolerance_of);
+  out["size"] = s.size ? json({(*s.size)[0], (*s.size)[1]}) : json(nullptr);
+  out["ladder"] = s.ladder;
+  out["smoothness"] = s.smoothness;
+  out["write"] = s.write;
+  out["mesh-format"] = name_of(s.mesh_format);
+  out["mesh-density"] = s.mesh_density ? json(*s.mesh_density) : json(nullptr);
+  out["threads"] = s.threads;
+  out["overwrite"] = s.overwrite;
+  return out;
+}
+
+}  // namespace
+
+json report_of(const GeometryFitResult& result, const std::vector<std::string>& command_line) {
+  json report;
+  report["format"] = "pellicle-fit-report";
+  report["version"] = 1;
+  json libraries = json::object();
+  for (const auto& [name, version] : library_versions()) libraries[name] = version;
+  report["program"] = {{"name", "pellicle"}, {"version", program_version()}, {"libraries", libraries}};
+  report["command_line"] = command_line;
+  report["finished"] = utc_time();
+  report["exit_code"] = result.exit_code();
+  report["settings"] = settings_json(result.settings);
+  const GeometryData& data = result.input.data;
+  report["input"] = {{"kind", result.input.kind},
+                     {"points", data.points.size()},
+                     {"closed_surface", data.surface.has_value()},
+                     {"genus", result.input.genus},
+                     {"diameter_mm", number(data.diameter)},
+                     {"bridged_mm", number(result.input.bridged_mm)},
+                     {"spherical_stretch", result.stretch > 0.0 ? number(result.stretch) : json(nullptr)}};
+  const FittedSurface& chosen = result.tried[result.chosen];
+  json object = fit_json(chosen, data.diameter);
+  object["volume_ml"] = number(result.volume_ml);
+  object["area_mm2"] = number(result.area_mm2);
+  object["mesh"] = {{"vertices", result.mesh.vertices.size()}, {"triangles", result.mesh.triangles.size()}};
+  object["watertight"] = result.topology.closed && result.topology.manifold && result.topology.oriented;
+  object["genus"] = result.topology.genus;
+  object["components"] = result.topology.components;
+  report["object"] = object;
+  json tried = json::array(), inputs = json::array(), outputs = json::array();
+  for (const auto& fitted : result.tried) tried.push_back(fit_json(fitted, data.diameter));
+  for (const auto& file : result.inputs) {
+    inputs.push_back({{"role", file.role}, {"path", file.path.string()}, {"sha256", file.sha256}});
+  }
+  for (const auto& file : result.outputs) {
+    outputs.push_back(
+        {{"kind", file.kind}, {"path", file.path.string()}, {"sha256", file.sha256}, {"bytes", file.bytes}});
+  }
+  report["levels"] = tried;
+  report["inputs"] = inputs;
+  report["outputs"] = outputs;
+  report["warnings"] = result.input.warnings;
+  double total = 0.0;
+  json seconds = json::object();
+  for (const auto& [phase, time] : result.seconds) {
+    seconds[phase] = time;
+    total += time;
+  }
+  seconds["total"] = total;
+  report["seconds"] = seconds;
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  return report;
+}
+
+void write_ladder_picture(const std::filesystem::path& path, const GeometryFitResult& result) {
+  LogPlot plot{"residual of " + result.input.file.filename().string(), "control points", "% of the diameter", {}};
+  plot.curves = {{"max", {214, 96, 77}, {}}, {"95th percentile", {230, 171, 60}, {}}, {"rms", {67, 147, 195}, {}}};
+  const double percent = 100.0 / result.input.data.diameter;
+  for (const auto& fitted : result.tried) {
+    const PointFitSummary& s = fitted.fit.summary;
+    const double x = s.control_points;
+    plot.curves[0].points.emplace_back(x, percent * s.to_surface.max);
+    plot.curves[1].points.emplace_back(x, percent * s.to_surface.p95);
+    plot.curves[2].points.emplace_back(x, percent * s.to_surface.rms);
+  }
+  write_png(path, draw_log_plot(plot, 900, 640));
+}
+
+}  // namespace pellicle

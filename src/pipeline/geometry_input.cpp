@@ -1,0 +1,209 @@
+#include "pellicle/pipeline/geometry_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/image/reorder.h"
+#include "pellicle/image/volume_file.h"
+#include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/point_tree.h"
+#include "pellicle/pipeline/seeding.h"
+#include "pellicle/raster/closed_solid.h"
+#include "pellicle/raster/rasterize.h"
+
+namespace pellicle {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMeshSamples = 40000;
+constexpr std::size_t kLeastPoints = 10;
+
+bool is_mesh_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<const char*, 6> known{".ply", ".stl", ".obj", ".off", ".vtp", ".gii"};
+  return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+/// Points whose neighbours are much further away than is usual: they do not help to lay a shell.
+std::vector<Vec3> without_strays(const std::vector<Vec3>& points, const PointTree& tree) {
+  constexpr int kNeighbours = 6;
+  std::vector<double> reach(points.size());
+  std::vector<double> sorted;
+  sorted.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    reach[i] = tree.nearest(points[i], kNeighbours + 1).back().distance;
+    sorted.push_back(reach[i]);
+  }
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  std::vector<Vec3> kept;
+  kept.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (reach[i] <= 5.0 * usual) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+// A subset is enough for the shell.
+std::vector<Vec3> thinned(const std::vector<Vec3>& points, std::size_t most) {
+  if (points.size() <= most) return points;
+  std::vector<Vec3> out;
+  out.reserve(most);
+  for (std::size_t i = 0; i < most; ++i) out.push_back(points[i * points.size() / most]);
+  return out;
+}
+
+void lay_shell(const std::string& name, GeometryInput& input) {
+  const std::vector<Vec3> thin = thinned(input.data.points, 200000);
+  const PointTree tree(thin);
+  const std::vector<Vec3> kept = without_strays(thin, tree);
+  if (kept.size() < thin.size()) {
+    input.warnings.push_back(
+        fmt::format("{} of {} points lie apart from the rest and were left out of the start surface",
+                    thin.size() - kept.size(), thin.size()));
+  }
+  input.data.diameter = diameter_of(kept);
+  try {
+    ClosedSolid solid = solid_of_points(kept, point_spacing(tree));
+    input.solid = std::move(solid.surface);
+    input.bridged_mm = solid.closing_mm;
+  } catch (const BadData& fault) {
+    throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
+  }
+}
+
+GeometryInput from_points(const fs::path& path) {
+  GeometryInput input;
+  PointCloud cloud = read_points(path);
+  input.kind = cloud.grid ? "grid" : "points";
+  if (cloud.points.size() < kLeastPoints) {
+    throw BadData(fmt::format("too few points ({}): it holds {}, a surface takes {} or more", path.string(),
+                              cloud.points.size(), kLeastPoints));
+  }
+  input.data.points = std::move(cloud.points);
+  input.data.weights = std::move(cloud.weights);
+  if (!input.data.weights.empty() && *std::max_element(input.data.weights.begin(), input.data.weights.end()) <= 0.0) {
+    throw BadData(fmt::format("no weight ({}): every point has weight 0", path.string()));
+  }
+  input.grid = std::move(cloud.grid);
+  if (input.grid) {
+    input.data.robust = false;
+    input.data.diameter = diameter_of(input.data.points);
+  } else {
+    lay_shell(path.string(), input);
+  }
+  return input;
+}
+
+/// A closed surface as data: itself, and points on it with its normals.
+void take_surface(TriangleMesh mesh, GeometryInput& input) {
+  if (volume_of(mesh) < 0.0) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+  mesh.normals.clear();
+  input.data.robust = false;
+  input.data.points = sample_surface(mesh, kMeshSamples);
+  const ClosestPoint on(mesh);
+  for (const Vec3& x : input.data.points) {
+    const auto& t = mesh.triangles[static_cast<std::size_t>(on.query(x).triangle)];
+    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    input.data.normals.push_back((at(1) - at(0)).cross(at(2) - at(0)));
+  }
+  input.data.diameter = diameter_of(mesh.vertices);
+  input.data.surface = std::move(mesh);
+}
+
+GeometryInput from_mesh(const fs::path& path) {
+  GeometryInput input;
+  input.kind = "mesh";
+  TriangleMesh mesh = read_mesh(path);
+  if (!(area_of(mesh) > 0.0)) throw BadData(fmt::format("cannot fit ({}): its facets have no area", path.string()));
+  const MeshTopology topology = topology_of(mesh);
+  const bool surface = topology.closed && topology.manifold && topology.oriented && topology.components == 1;
+  if (!surface) {
+    input.warnings.push_back(fmt::format(
+        "the mesh is no closed surface of one part ({}): it is treated as points",
+        topology.first_fault.empty() ? fmt::format("{} parts", topology.components) : topology.first_fault));
+    input.data.points = sample_surface(mesh, 3 * kMeshSamples);
+    lay_shell(path.string(), input);
+    return input;
+  }
+  input.genus = topology.genus;
+  take_surface(std::move(mesh), input);
+  if (topology.genus == 0) {
+    input.solid = *input.data.surface;
+    return input;
+  }
+  input.warnings.push_back(
+      fmt::format("the mesh has genus {}: a sphere-like surface covers it with its holes bridged", topology.genus));
+  const PointTree tree(input.data.points);
+  ClosedSolid solid = solid_of_points(input.data.points, point_spacing(tree));
+  input.solid = std::move(solid.surface);
+  input.bridged_mm = solid.closing_mm;
+  return input;
+}
+
+GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
+  GeometryInput input;
+  input.kind = "mask";
+  const LabelVolume volume = read_labels(argument.file);
+  Image<std::uint8_t> mask(volume.labels.grid);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
+    const std::int32_t v = volume.labels.voxels[i];
+    mask.voxels[i] = (argument.label ? v == *argument.label : v != 0) ? 1 : 0;
+    count += mask.voxels[i];
+  }
+  if (count == 0) {
+    throw BadData(argument.label ? fmt::format("empty mask ({}): label {} has no voxel", text, *argument.label)
+                                 : fmt::format("empty mask ({}): every voxel is 0", text));
+  }
+  mask = in_lps_order(std::move(mask));
+  ClosedSolid solid = solid_of_mask(mask);
+  const double voxel = mask.grid.voxel_volume();
+  const double missing = 1.0 - volume_of(solid.surface) / (static_cast<double>(count) * voxel);
+  if (missing > 0.05) {
+    input.warnings.push_back(
+        fmt::format("the mask has several parts: the largest one alone is fitted, {:.0f} % of the volume is left out",
+                    100.0 * missing));
+  }
+  if (solid.closing_mm > 0.0) {
+    input.genus = solid.genus_as_given;
+    input.warnings.push_back(fmt::format("the mask has genus {}: holes up to {:.3g} mm wide were closed",
+                                         solid.genus_as_given, solid.closing_mm));
+  }
+  input.bridged_mm = solid.closing_mm;
+  take_surface(solid.surface, input);
+  input.solid = std::move(solid.surface);
+  return input;
+}
+
+}  // namespace
+
+GeometryInput read_geometry(const std::string& argument) {
+  const MaskArgument mask = parse_mask_argument(argument);
+  std::error_code ignored;
+  if (!fs::exists(mask.file, ignored)) {
+    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", mask.file.string()));
+  }
+  const bool points = !fs::is_directory(mask.file, ignored) && is_point_file(mask.file);
+  const bool mesh = !points && is_mesh_file(mask.file);
+  if ((points || mesh) && mask.label) {
+    throw UsageError(
+        fmt::format("bad value (-i {}): only a label map has labels; leave ':{}' away", argument, *mask.label));
+  }
+  GeometryInput input = points ? from_points(mask.file) : mesh ? from_mesh(mask.file) : from_mask(argument, mask);
+  input.file = mask.file;
+  return input;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,120 @@
+#include "pellicle/pipeline/line_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/pipeline/font.h"
+
+namespace pellicle {
+
+namespace {
+
+constexpr Rgb paper{255, 255, 255}, ink{40, 44, 52}, grid_color{222, 225, 230};
+constexpr int text_scale = 2, line_height = text_scale * glyph_height;
+
+// draw_text rims its letters in black, which suits pictures; on paper they stand alone.
+void write(Canvas& canvas, int x, int y, const std::string& text, Rgb color) {
+  for (const char c : text) {
+    for (int row = 0; row < glyph_height; ++row) {
+      for (int column = 0; column < glyph_width; ++column) {
+        if (!glyph_pixel(c, column, row)) continue;
+        fill_rectangle(canvas, x + text_scale * column, y + text_scale * row, text_scale, text_scale, color);
+      }
+    }
+    x += text_scale * (glyph_width + 1);
+  }
+}
+
+bool drawable(const Vec2& p) {
+  return std::isfinite(p.x()) && std::isfinite(p.y()) && p.x() > 0.0 && p.y() > 0.0;
+}
+
+/// A logarithmic axis onto pixels.
+struct Axis {
+  double low = 1.0, high = 10.0, from = 0.0, to = 1.0;
+  double at(double value) const { return from + (to - from) * std::log(value / low) / std::log(high / low); }
+};
+
+void widen(double low, double high, Axis& axis) {
+  // A sixth of the range on both sides, and never less than a factor of two in all.
+  const double margin = std::max(std::pow(high / low, 0.08), std::sqrt(2.0));
+  axis.low = low / margin;
+  axis.high = high * margin;
+}
+
+}  // namespace
+
+std::vector<double> log_ticks(double low, double high) {
+  std::vector<double> ticks;
+  for (int power = static_cast<int>(std::floor(std::log10(low))) - 1; power <= std::ceil(std::log10(high)); ++power) {
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double tick = digit * std::pow(10.0, power);
+      if (tick >= low * (1.0 - 1e-9) && tick <= high * (1.0 + 1e-9)) ticks.push_back(tick);
+    }
+  }
+  return ticks;
+}
+
+Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
+  Canvas canvas(width, height, paper);
+  Axis x, y;
+  bool any = false;
+  double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;
+  for (const PlotCurve& curve : plot.curves) {
+    for (const Vec2& p : curve.points) {
+      if (!drawable(p)) continue;
+      x0 = any ? std::min(x0, p.x()) : p.x();
+      x1 = any ? std::max(x1, p.x()) : p.x();
+      y0 = any ? std::min(y0, p.y()) : p.y();
+      y1 = any ? std::max(y1, p.y()) : p.y();
+      any = true;
+    }
+  }
+  if (any) {
+    widen(x0, x1, x);
+    widen(y0, y1, y);
+  }
+  const int left = 110, right = width - 30, top = 70, bottom = height - 80;
+  x.from = left;
+  x.to = right;
+  y.from = bottom;
+  y.to = top;
+  for (const double tick : log_ticks(x.low, x.high)) {
+    const double at = x.at(tick);
+    draw_line(canvas, {at, top}, {at, bottom}, 1.0, grid_color);
+    const std::string text = fmt::format("{:.6g}", tick);
+    write(canvas, static_cast<int>(at) - text_width(text, text_scale) / 2, bottom + 12, text, ink);
+  }
+  for (const double tick : log_ticks(y.low, y.high)) {
+    const double at = y.at(tick);
+    draw_line(canvas, {left, at}, {right, at}, 1.0, grid_color);
+    const std::string text = fmt::format("{:.6g}", tick);
+    write(canvas, left - 12 - text_width(text, text_scale), static_cast<int>(at) - line_height / 2, text, ink);
+  }
+  draw_line(canvas, {left, top}, {left, bottom}, 2.0, ink);
+  draw_line(canvas, {left, bottom}, {right, bottom}, 2.0, ink);
+  write(canvas, (left + right - text_width(plot.title, text_scale)) / 2, 14, plot.title, ink);
+  write(canvas, 14, top - 28, plot.y_label, ink);
+  write(canvas, (left + right - text_width(plot.x_label, text_scale)) / 2, height - 30, plot.x_label, ink);
+  int key_y = top + 14;
+  for (const PlotCurve& curve : plot.curves) {
+    const Vec2* before = nullptr;
+    for (const Vec2& p : curve.points) {
+      if (!drawable(p)) continue;
+      const Vec2 here(x.at(p.x()), y.at(p.y()));
+      if (before != nullptr) draw_line(canvas, {x.at(before->x()), y.at(before->y())}, here, 2.5, curve.color);
+      draw_line(canvas, here, here, 9.0, curve.color);
+      before = &p;
+    }
+    const int text_x = right - 14 - text_width(curve.name, text_scale);
+    write(canvas, text_x, key_y, curve.name, ink);
+    draw_line(canvas, {text_x - 46.0, key_y + 0.5 * line_height}, {text_x - 12.0, key_y + 0.5 * line_height}, 2.5,
+              curve.color);
+    key_y += line_height + 10;
+  }
+  return canvas;
+}
+
+}  // namespace pellicle
