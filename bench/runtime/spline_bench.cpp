@@ -6,9 +6,8 @@
 #include "pellicle/base/random.h"
 #include "pellicle/surface/spline_volume.h"
 
+namespace pellicle {
 namespace {
-
-using namespace pellicle;
 
 struct Case {
   explicit Case(const benchmark::State& state)
@@ -39,3 +38,4 @@ BENCHMARK(quadrature)->Arg(8)->Arg(12)->Arg(20)->Unit(benchmark::kMicrosecond);
 BENCHMARK(trilinear_form)->Arg(8)->Arg(12)->Arg(20)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
+}  // namespace pellicle

@@ -83,7 +83,7 @@ Mat3 posed(const Model& /*without axes*/, const Mat3& shape) {
 
 Mat3 posed(const SplineModel& model, const Mat3& shape) {
   const auto axes = axes_of(shape);
-  const Vec3 lengths = axes.singularValues();
+  const Vec3& lengths = axes.singularValues();
   const SplineSettings& settings = model.settings();
   if (settings.topology == SplineTopology::sphere) {
     constexpr double kRound = 1.0 + 1e-9;  // a ball has no longest axis

@@ -238,6 +238,44 @@ TEST(SurfaceFromMask, comes_back_from_its_voxels) {
   }
 }
 
+TEST(SplineFit, spheres_ellipsoids_and_beans) {
+  FitSettings settings;
+  settings.model.kind = ModelKind::spline;
+  settings.detail = 1;
+  for (const char* shape : {"sphere", "ellipsoid", "bean"}) {
+    const Phantom phantom = make_phantom(test::small_phantom(shape));
+    const FitResult result = test::fit_ball_seed(phantom.image, phantom.settings.center, 8.0, settings);
+    EXPECT_EQ(result.summary.status, FitStatus::ok) << shape << ": " << result.summary.reason;
+    EXPECT_LE(test::assd(result.surface, phantom.truth_surface), 0.25) << shape;
+    EXPECT_EQ(model_name(result.surface.model), "spline");
+  }
+}
+
+TEST(SplineFit, a_torus_from_its_mask) {
+  PhantomSettings s = test::small_phantom("torus");
+  s.size = {64, 64, 40};
+  s.radius = {18.0, 7.0};
+  const Phantom phantom = make_phantom(s);
+  const Surface start = surface_from_mask(phantom.truth, {.kind = ModelKind::spline_torus}, 1);
+  EXPECT_GE(test::dice(start, phantom.truth), 0.95);
+  FitSettings settings;
+  settings.model.kind = ModelKind::spline_torus;
+  settings.detail = 1;
+  const FitResult result = fit_surface(phantom.image, {Seed(start)}, settings);
+  EXPECT_EQ(result.summary.status, FitStatus::ok) << result.summary.reason;
+  EXPECT_LE(test::assd(result.surface, phantom.truth_surface), 0.15);
+}
+
+TEST(SplineFit, refuses_open_surfaces) {
+  const Phantom phantom = make_phantom(test::small_phantom());
+  FitSettings settings;
+  settings.model.kind = ModelKind::spline_cylinder;
+  EXPECT_THROW(test::fit_ball_seed(phantom.image, phantom.settings.center, 8.0, settings), UsageError);
+  const SurfaceModel open = start_model({.kind = ModelKind::spline_rectangle});
+  const Surface seed{open, affine_image(open, Vec3::Zero(), 10 * Mat3::Identity())};
+  EXPECT_THROW(fit_surface(phantom.image, {Seed(seed)}, {}), UsageError);
+}
+
 TEST(SurfaceFromMask, takes_the_largest_part_and_refuses_nothing) {
   Phantom phantom = make_phantom(small_phantom());
   Image<std::uint8_t> mask = phantom.truth;

@@ -168,8 +168,8 @@ TEST(SplineModel, JacobianAndPullBackMatchDifferences) {
     Parameters parameters = perturbed(model, 0.1, random);
     const SampleLayout layout = model.layout(1);
     const SurfaceSamples samples = samples_of(model, parameters, layout, true);
-    std::vector<Vec3> bar;
-    for (int i = 0; i < layout.sample_count(); ++i) bar.push_back(shapes::random_vector(random, 1.0));
+    std::vector<Vec3> bar(layout.patch_of.size());
+    for (Vec3& b : bar) b = shapes::random_vector(random, 1.0);
     std::vector<double> gradient(parameters.size(), 0.0);
     model.pull_back(parameters, layout, bar, gradient);
     for (std::size_t p = 0; p < parameters.size(); ++p) {
