@@ -1,6 +1,6 @@
 #pragma once
 /// Start meshes of any genus from voxels. Source: Stoddart, Hilton, Illingworth 1994, Section 5, with the repair of
-/// places that are no surface (docs/models.md).
+/// places that are no surface (docs/any-topology.md).
 
 #include <optional>
 
@@ -46,8 +46,8 @@ struct VoxelSeed {
   std::size_t filled = 0;  ///< voxels that the repair added
 };
 /// All of it for a mask. Without a spacing, grids from the coarsest on, each finer by sqrt(2), down to the mask's
-/// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken: handles of the
-/// object stay over many grids, those of noise only show in the finest. \throws as above.
+/// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken:
+/// handles of the object stay over many grids, those of noise only show in the finest. \throws as above.
 VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {});
 /// For points of a surface, at the coarsest spacing unless one is given (handles need a finer one).
 VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm = {});

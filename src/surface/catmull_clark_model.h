@@ -1,6 +1,6 @@
 #pragma once
 /// Catmull-Clark subdivision surfaces of any topology: a quad control mesh, a point a vertex. Linear in the points.
-/// Source: Catmull, Clark 1978; as a deformable model Qin, Mandal, Vemuri 1997, corrected as in docs/models.md.
+/// Source: Catmull, Clark 1978; as a deformable model Qin, Mandal, Vemuri 1997, corrected as in docs/any-topology.md.
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 /// Patches of generalised biquadratic B-splines: S-patches of depth 5 over the regular n-gon, as weights of the 2n + 1
 /// points of the Sabin net about a vertex of valence n. Source: Stoddart, Hilton, Illingworth 1994 ("slime"); S-patches
-/// and the panels along the borders Loop, DeRose 1989, 1990; interior points as in docs/models.md.
+/// and the panels along the borders Loop, DeRose 1989, 1990; interior points as in docs/any-topology.md.
 ///
 /// Sabin net: the vertex v, edge midpoints e_i = (v + a_i)/2, quad centroids f_i = (v + a_i + b_i + a_{i+1})/4, in this
 /// order (v, e_0 .., f_0 ..), counter-clockwise. Domain: unit edges, centred at the origin, corner i at angle 2 pi i/n.

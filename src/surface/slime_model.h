@@ -1,7 +1,7 @@
 #pragma once
 /// "Slime": tangent-plane continuous generalised biquadratic B-splines of any genus over a closed quad control mesh, a
 /// point a vertex. Linear in the points; a patch a vertex, which depends on its neighbours alone.
-/// Source: Stoddart, Hilton, Illingworth 1994; see slime_basis.h and docs/models.md.
+/// Source: Stoddart, Hilton, Illingworth 1994; see slime_basis.h and docs/any-topology.md.
 
 #include <map>
 #include <memory>

@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 
 nlohmann::json golden() {
-  std::ifstream file(PELLICLE_SOURCE_DIR "/tests/golden/any_topology.json");
+  std::ifstream file(std::string(PELLICLE_SOURCE_DIR) + "/tests/golden/any_topology.json");
   return nlohmann::json::parse(file).at("catmull_clark");
 }
 

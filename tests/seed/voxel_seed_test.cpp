@@ -38,7 +38,7 @@ double voxel_volume(const Image<std::uint8_t>& voxels) {
 }
 
 TEST(VoxelBlock, AllPatternsAreClassedAsInTheReference) {
-  std::ifstream file(PELLICLE_SOURCE_DIR "/tests/golden/any_topology.json");
+  std::ifstream file(std::string(PELLICLE_SOURCE_DIR) + "/tests/golden/any_topology.json");
   const std::string classes = nlohmann::json::parse(file).at("voxel").at("class");
   ASSERT_EQ(classes.size(), 256U);
   for (unsigned p = 0; p < 256; ++p) {

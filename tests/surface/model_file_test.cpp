@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "pellicle/base/errors.h"
+#include "quad_shapes.h"
 #include "spline_cases.h"
 
 namespace pellicle {
@@ -151,6 +152,67 @@ TEST_F(ModelFile, RefusesWhatBreaksARuleAndNamesTheKey) {
       EXPECT_THAT(error.what(), testing::HasSubstr(message));
       EXPECT_THAT(error.what(), testing::HasSubstr("given.json"));
       EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    }
+  }
+}
+
+/// A torus grid and an open sheet, jittered.
+std::vector<Surface> quad_surfaces() {
+  RandomEngine random(47);
+  const QuadMesh ring = quad_shapes::jittered(torus_mesh(5, 4, 2, 0.7), 0.2, random);
+  const QuadMesh sheet = quad_shapes::sheet(3, 2, random);
+  const QuadReference shape{parameters_of(ring.vertices), false};
+  const CatmullClarkModel ball = CatmullClarkModel::start(1);
+  return {{CatmullClarkModel(20, ring.quads, shape), parameters_of(ring.vertices)},
+          {SlimeModel(20, ring.quads, shape), parameters_of(ring.vertices)},
+          {SlimeModel(20, ring.quads, {}), parameters_of(ring.vertices)},
+          {CatmullClarkModel(12, sheet.quads, {}, Border::allowed), parameters_of(sheet.vertices)},
+          {ball, ball.reference()}};
+}
+
+TEST_F(ModelFile, QuadSurfacesReadBackToTheSameBits) {
+  for (const Surface& surface : quad_surfaces()) {
+    write_model(file(), surface);
+    const Surface back = read_model(file());
+    EXPECT_EQ(model_name(back.model), model_name(surface.model));
+    EXPECT_EQ(is_closed(back.model), is_closed(surface.model));
+    EXPECT_TRUE(same_bits(surface.parameters, back.parameters));
+    const TriangleMesh one = tessellate(surface, 2), two = tessellate(back, 2);
+    EXPECT_EQ(one.vertices, two.vertices);
+    EXPECT_EQ(layout_of(surface.model, 1).reference, layout_of(back.model, 1).reference);
+    write_model(file("again.json"), back);
+    EXPECT_EQ(text_of(file()), text_of(file("again.json")));
+    const json document = json::parse(text_of(file()));
+    const json schema = json::parse(text_of(std::string(PELLICLE_SOURCE_DIR) + "/docs/model.schema.json"));
+    for (const auto& [key, value] : document.items()) EXPECT_TRUE(schema.at("properties").contains(key)) << key;
+  }
+}
+
+TEST_F(ModelFile, RefusesQuadSurfacesThatBreakARule) {
+  write_model(file(), quad_surfaces()[1]);
+  const json good = json::parse(text_of(file()));
+  struct Case {
+    const char* message;
+    std::function<void(json&)> spoil;
+  };
+  const std::vector<Case> cases{{"\"quads\" is missing", [](json& j) { j.erase("quads"); }},
+                                {"\"quads\" entry 2: must be a list of 4", [](json& j) { j["quads"][2].erase(0); }},
+                                {"\"quads\" entry 1: must be whole", [](json& j) { j["quads"][1][3] = 1.5; }},
+                                {"is not among the 20", [](json& j) { j["quads"][1][3] = 20; }},
+                                {"open", [](json& j) { j["quads"].erase(3); }},
+                                {"no quads", [](json& j) { j["quads"] = json::array(); }},
+                                {"\"points\" entry 2: must be numbers", [](json& j) { j["points"][2][1] = nullptr; }},
+                                {"\"sphere\" must be true or false", [](json& j) { j["reference"]["sphere"] = 1; }},
+                                {"\"points\" has 19 entries", [](json& j) { j["reference"]["points"].erase(3); }}};
+  for (const auto& [message, spoil] : cases) {
+    json bad = good;
+    spoil(bad);
+    try {
+      read_model(written(bad.dump()));
+      ADD_FAILURE() << "accepted, expected: " << message;
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(message));
+      EXPECT_THAT(error.what(), testing::HasSubstr("given.json"));
     }
   }
 }

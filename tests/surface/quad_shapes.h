@@ -13,7 +13,7 @@
 namespace pellicle::quad_shapes {
 
 inline nlohmann::json golden(const std::string& section) {
-  std::ifstream file(PELLICLE_SOURCE_DIR "/tests/golden/any_topology.json");
+  std::ifstream file(std::string(PELLICLE_SOURCE_DIR) + "/tests/golden/any_topology.json");
   return nlohmann::json::parse(file).at(section);
 }
 

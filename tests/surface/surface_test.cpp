@@ -34,7 +34,9 @@ std::vector<ModelChoice> every_model() {
           {.kind = ModelKind::spline},
           {.kind = ModelKind::spline_torus},
           {.kind = ModelKind::spline_cylinder},
-          {.kind = ModelKind::spline_rectangle}};
+          {.kind = ModelKind::spline_rectangle},
+          {.kind = ModelKind::catmull_clark},
+          {.kind = ModelKind::slime}};
 }
 
 Mat3 skewed() {
@@ -66,8 +68,11 @@ TEST(EveryModel, AffineImageIsTheImageOfTheReferenceShape) {
       SurfaceSamples samples;
       evaluate(model, affine_image(model, Vec3(1, 2, 3), Mat3::Identity()), layout, false, samples);
       ASSERT_EQ(layout.reference.size(), samples.x.size());
+      // these two come near the sphere that they are measured against
+      const bool near = choice.kind == ModelKind::catmull_clark || choice.kind == ModelKind::slime;
+      const double tolerance = near ? 0.06 : 1e-13;
       for (int i = 0; i < layout.sample_count(); ++i) {
-        EXPECT_LE((samples.x[i] - Vec3(1, 2, 3) - layout.reference[i]).norm(), 1e-13) << model_name(model);
+        EXPECT_LE((samples.x[i] - Vec3(1, 2, 3) - layout.reference[i]).norm(), tolerance) << model_name(model);
       }
     }
     const TriangleMesh mesh = tessellate({model, affine_image(model, Vec3(1, 2, 3), 2 * Mat3::Identity())}, 3);
