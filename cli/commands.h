@@ -21,6 +21,7 @@ Run add_phantom(CLI::App& app);
 Run add_evaluate(CLI::App& app);
 Run add_export(CLI::App& app);
 Run add_fit(CLI::App& app, const std::vector<std::string>& command_line);
+Run add_morph(CLI::App& app, const std::vector<std::string>& command_line);
 Run add_info(CLI::App& app);
 
 /// Flags that every subcommand has: -q, -v, --log-json, --no-progress.

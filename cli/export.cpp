@@ -72,14 +72,6 @@ void check_flags(const Flags& f) {
   check_outputs(outputs, f.overwrite, inputs);
 }
 
-int mesh_density(const Flags& f, const Surface& surface) {
-  if (f.density >= 0) return f.density;
-  const TriangleMesh control = control_mesh_of(surface);
-  double extent = 0.0;
-  for (const auto& vertex : control.vertices) extent = std::max(extent, (vertex - control.vertices.front()).norm());
-  return std::clamp(tessellation_level(surface, extent / 100.0), 2, 6);
-}
-
 void export_voxels(const Flags& f, const Surface& surface) {
   const VolumeHeader header = read_header(f.like);
   const int level =
@@ -97,7 +89,10 @@ int run_export(const Flags& f, Console& console) {
   check_flags(f);
   const ThreadLimit limit(f.threads);
   const Surface surface = read_model(f.model);
-  if (!f.mesh.empty()) write_mesh(f.mesh, tessellate(surface, mesh_density(f, surface)), format_of(f.mesh));
+  if (!f.mesh.empty()) {
+    const int level = f.density >= 0 ? f.density : viewing_level(surface);
+    write_mesh(f.mesh, tessellate(surface, level), format_of(f.mesh));
+  }
   if (!f.control.empty()) write_mesh(f.control, control_mesh_of(surface), format_of(f.control));
   if (!f.like.empty()) export_voxels(f, surface);
   return 0;

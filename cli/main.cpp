@@ -79,12 +79,14 @@ int main(int argc, char** argv) {
   auto* evaluate = app.add_subcommand("evaluate", "truth against result: overlap and surface distances");
   auto* save = app.add_subcommand("export", "a saved model -> mesh, mask, signed distance, control mesh");
   auto* fit = app.add_subcommand("fit", "points, mesh or mask -> fitted surface (no image)");
+  auto* morph = app.add_subcommand("morph", "shapes between two saved models of one kind, and beyond");
   auto* info = app.add_subcommand("info", "what a file holds: grid, frame, spacing, type, range");
   const std::map<const CLI::App*, Run> commands{{segment, pellicle::cli::add_segment(*segment, command_line)},
                                                 {phantom, pellicle::cli::add_phantom(*phantom)},
                                                 {evaluate, pellicle::cli::add_evaluate(*evaluate)},
                                                 {save, pellicle::cli::add_export(*save)},
                                                 {fit, pellicle::cli::add_fit(*fit, command_line)},
+                                                {morph, pellicle::cli::add_morph(*morph, command_line)},
                                                 {info, pellicle::cli::add_info(*info)}};
   try {
     app.parse(argc, argv);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pellicle/pipeline/canvas.h"
+#include "pellicle/pipeline/contact_sheet.h"
 #include "pellicle/pipeline/slice_view.h"
 
 namespace pellicle {
@@ -30,15 +31,6 @@ std::vector<Canvas> panels_of(const Image<float>& image, const Window& window, c
   return panels;
 }
 
-// The end of a long name is what tells files apart.
-std::string fitting(const std::string& text, int width) {
-  const auto fits = [&](const std::string& t) { return text_width(t, 2) <= width; };
-  if (fits(text)) return text;
-  std::string tail = text;
-  while (!tail.empty() && !fits(fmt::format("...{}", tail))) tail.erase(0, 1);
-  return fmt::format("...{}", tail);
-}
-
 }  // namespace
 
 void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
@@ -52,7 +44,7 @@ void write_qc_picture(const std::filesystem::path& path, const Image<float>& ima
   const Window window = robust_window(image);
   for (std::size_t r = 0; r < rows; ++r) {
     const int top = static_cast<int>(r) * row_height;
-    draw_text(picture, 10, top + 10, fitting(title_of(objects[r], name, several), total_width - 20), 2,
+    draw_text(picture, 10, top + 10, fitting_text(title_of(objects[r], name, several), 2, total_width - 20), 2,
               {255, 255, 255});
     const auto panels = panels_of(image, window, objects[r], size);
     for (std::size_t p = 0; p < panels.size(); ++p) {

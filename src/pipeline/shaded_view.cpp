@@ -103,29 +103,51 @@ Canvas averaged(const Canvas& fine) {
   return coarse;
 }
 
+/// Vertices in the camera's frame.
+std::vector<Vec3> seen(const TriangleMesh& mesh) {
+  const Mat3 view = camera();
+  std::vector<Vec3> points;
+  points.reserve(mesh.vertices.size());
+  for (const auto& vertex : mesh.vertices) points.emplace_back(view * vertex);
+  return points;
+}
+
+struct ViewBox {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  double size() const { return std::max((high - low).x(), (high - low).y()); }
+};
+
+ViewBox box_of(const std::vector<Vec3>& points) {
+  if (points.empty()) return {};
+  ViewBox box{points.front(), points.front()};
+  for (const auto& p : points) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
 }  // namespace
 
-Canvas draw_shaded(const TriangleMesh& mesh, int size) {
+double shaded_extent(const TriangleMesh& mesh) {
+  return std::max(box_of(seen(mesh)).size(), 1e-9);
+}
+
+Canvas draw_shaded(const TriangleMesh& mesh, int size, std::optional<double> extent_mm) {
   const int fine = size * supersampling;
   Target target{Canvas(fine, fine, background),
                 std::vector<double>(static_cast<std::size_t>(fine) * static_cast<std::size_t>(fine),
                                     std::numeric_limits<double>::max())};
   if (mesh.vertices.empty()) return averaged(target.canvas);
-  const Mat3 view = camera();
-  std::vector<Vec3> points;
-  Vec3 low = view * mesh.vertices.front(), high = low;
-  for (const auto& vertex : mesh.vertices) {
-    points.emplace_back(view * vertex);
-    low = low.cwiseMin(points.back());
-    high = high.cwiseMax(points.back());
-  }
-  const double extent = std::max({(high - low).x(), (high - low).y(), 1e-9});
-  const double scale = 0.84 * fine / extent;
-  const Vec3 middle = 0.5 * (low + high);
+  std::vector<Vec3> points = seen(mesh);
+  const ViewBox box = box_of(points);
+  const double scale = 0.84 * fine / std::max(extent_mm.value_or(box.size()), 1e-9);
+  const Vec3 middle = 0.5 * (box.low + box.high);
   for (auto& p : points) {
     p.x() = 0.5 * fine + (p.x() - middle.x()) * scale;
     p.y() = 0.5 * fine + (p.y() - middle.y()) * scale;
   }
+  const Mat3 view = camera();
   const auto normals = normals_of(mesh);
   for (const auto& t : mesh.triangles) {
     std::array<Vec3, 3> corner, normal;

@@ -2,6 +2,7 @@
 /// One slice of a volume with the cut of a surface, as a radiologist looks at it.
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "pellicle/image/image.h"
@@ -35,6 +36,9 @@ Canvas draw_slice(const Image<float>& image, const Window& window, const Triangl
                   int size);
 
 /// Shaded view of a mesh in LPS mm from the front left above: z-buffer, Phong shading with the vertex normals.
-Canvas draw_shaded(const TriangleMesh& mesh, int size);
+/// \param extent_mm what 84 % of the picture's edge shows, for views at one scale; default: the mesh's own extent.
+Canvas draw_shaded(const TriangleMesh& mesh, int size, std::optional<double> extent_mm = {});
+/// Larger edge of the mesh's box in that view, mm.
+double shaded_extent(const TriangleMesh& mesh);
 
 }  // namespace pellicle

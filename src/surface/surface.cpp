@@ -161,6 +161,13 @@ int tessellation_level(const Surface& surface, double edge_mm) {
   return static_cast<int>(std::min<double>(std::ceil(level), highest));
 }
 
+int viewing_level(const Surface& surface) {
+  const TriangleMesh control = control_mesh_of(surface);
+  double extent = 0.0;
+  for (const auto& vertex : control.vertices) extent = std::max(extent, (vertex - control.vertices.front()).norm());
+  return std::clamp(tessellation_level(surface, extent / 100.0), 2, 6);
+}
+
 TriangleMesh control_mesh_of(const Surface& surface) {
   return std::visit([&](const auto& m) { return m.control_mesh(surface.parameters); }, surface.model);
 }

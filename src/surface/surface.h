@@ -61,6 +61,8 @@ Surface refine(const Surface& surface);
 TriangleMesh tessellate(const Surface& surface, int level);
 /// The level at which facet edges are about `edge_mm` long (root mean square) or shorter, at most 7.
 int tessellation_level(const Surface& surface, double edge_mm);
+/// The level at which facet edges are about a hundredth of the object or shorter, 2 to 6: for meshes to look at.
+int viewing_level(const Surface& surface);
 /// The control mesh itself: control points, joined by facets, with normals where the model has them.
 TriangleMesh control_mesh_of(const Surface& surface);
 std::string model_name(const SurfaceModel& model);  ///< "normal", "spline", "spline-torus" ...

@@ -226,7 +226,7 @@ TEST(Phantoms, OfHigherGenusAndManyObjectsAreTheirOwnTruth) {
 
 TEST(Help, GoesToStdoutWithCodeZero) {
   const Scratch scratch;
-  for (const std::string command : {"segment", "phantom", "evaluate", "export", "info"}) {
+  for (const std::string command : {"segment", "phantom", "evaluate", "export", "morph", "info"}) {
     const Outcome outcome = run({command, "--help"}, scratch);
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, "");

@@ -1,0 +1,171 @@
+// The morph command without a command line: settings, files, figures.
+
+#include "pellicle/pipeline/morph.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/base/parallel.h"
+#include "pellicle/pipeline/contact_sheet.h"
+#include "pellicle/pipeline/slice_view.h"
+#include "pellicle/surface/model_file.h"
+
+namespace pellicle {
+namespace {
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+class MorphFiles : public testing::Test {
+ protected:
+  MorphFiles() {
+    std::string name = (fs::temp_directory_path() / "pellicle-morph-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    write_model(folder_ / "small_model.json", ball(10.0));
+    write_model(folder_ / "large.json", ball(20.0));
+    settings_.a = folder_ / "small_model.json";
+    settings_.b = folder_ / "large.json";
+    settings_.output = folder_ / "out";
+    settings_.mesh_density = 3;
+  }
+  ~MorphFiles() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  static Surface ball(double radius) {
+    const SurfaceModel model = start_model({});
+    return {model, affine_image(model, Vec3(radius, 0, 0), radius * Mat3::Identity())};
+  }
+
+  fs::path folder_;
+  MorphSettings settings_;
+};
+
+TEST_F(MorphFiles, AreAllThereAndTellOneStory) {
+  settings_.steps = 3;
+  settings_.space = MorphSpace::sphere;
+  const MorphResult result = morph(settings_, {{"pellicle", "morph"}, {}, {}, {}});
+  EXPECT_EQ(result.exit_code(), 0);
+  const std::string stem = "small_to_large_morph";
+  for (const char* suffix :
+       {"-001_surface.ply", "-001_model.json", "-003_surface.ply", "-003_model.json", ".tsv", ".png", ".json"}) {
+    EXPECT_TRUE(fs::exists(settings_.output / (stem + suffix))) << suffix;
+  }
+  EXPECT_EQ(text_of(settings_.output / (stem + "-001_model.json")), text_of(settings_.a));
+  EXPECT_EQ(text_of(settings_.output / (stem + "-003_model.json")), text_of(settings_.b));
+  const auto json = nlohmann::json::parse(text_of(settings_.output / (stem + ".json")));
+  EXPECT_EQ(json["format"], "pellicle-morph");
+  EXPECT_EQ(json["settings"]["space"], "sphere");
+  EXPECT_EQ(json["command_line"][1], "morph");
+  ASSERT_EQ(json["steps"].size(), 3U);
+  // Half way: the geometric mean of the sizes; the smooth surface's volume, not that of coarse facets.
+  const double radius = std::sqrt(200.0), exact = 4.0 / 3.0 * 3.14159265358979 * std::pow(radius, 3) / 1000.0;
+  EXPECT_NEAR(json["steps"][1]["volume_ml"].get<double>() / exact, 1.0, 3e-4);
+  EXPECT_NEAR(json["steps"][1]["area_mm2"].get<double>() / (4.0 * 3.14159265 * radius * radius), 1.0, 0.02);
+  EXPECT_EQ(json["steps"][1]["tau"], 0.5);
+  EXPECT_EQ(json["steps"][1]["status"], "ok");
+  EXPECT_EQ(json["steps"][1]["genus"], 0);
+  EXPECT_EQ(json["a"]["moved_by_matching_mm"], 0.0);
+  EXPECT_NEAR(json["b"]["size_mm"].get<double>(), 20.0, 1e-6);
+  EXPECT_EQ(json["outputs"].size(), 8U);
+  const std::string table = text_of(settings_.output / (stem + ".tsv"));
+  EXPECT_THAT(table, testing::StartsWith("step\ttau\tvolume_ml\tarea_mm2\tself_intersections\tstatus\n1\t0\t"));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4);
+  EXPECT_THROW(morph(settings_, {}), CannotCreate);
+}
+
+TEST_F(MorphFiles, HaveTheSameBytesForAnyNumberOfThreads) {
+  settings_.overwrite = true;
+  const auto bytes = [this](int threads) {
+    settings_.threads = threads;
+    morph(settings_, {});
+    std::vector<std::string> all;
+    for (const auto& entry : fs::directory_iterator(settings_.output)) {
+      if (entry.path().filename() != "small_to_large_morph.json") all.push_back(text_of(entry.path()));
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  EXPECT_EQ(bytes(1), bytes(2));
+}
+
+TEST_F(MorphFiles, InsideOutShapesAreTurnedAndToldOf) {
+  // Beyond the smaller ball the plane's path runs through a point and comes out inverted.
+  settings_.from = settings_.to = -2.0;
+  settings_.steps = 1;
+  const MorphResult result = morph(settings_, {});
+  ASSERT_EQ(result.steps.size(), 1U);
+  EXPECT_NE(result.steps[0].status, FitStatus::ok);
+  EXPECT_EQ(result.exit_code(), 3);
+  EXPECT_GT(volume_of(result.steps[0].mesh), 0.0);
+}
+
+TEST_F(MorphFiles, ACoarserModelIsRefinedAndTheReportSaysSo) {
+  write_model(settings_.b, refine(ball(20.0)));
+  settings_.steps = 2;
+  const MorphResult result = morph(settings_, {});
+  EXPECT_EQ(result.points_a, 4);
+  EXPECT_EQ(result.points, 10);
+  EXPECT_LE(result.moved_a_mm, 0.05) << "a sphere stays a sphere";
+}
+
+TEST(MorphSettings, StepsAreEquallySpacedOneIsTheMiddle) {
+  MorphSettings settings;
+  EXPECT_THAT(taus_of(settings), testing::ElementsAre(0.0, 0.25, 0.5, 0.75, 1.0));
+  settings.from = 1.5;
+  settings.to = -0.5;
+  settings.steps = 3;
+  EXPECT_THAT(taus_of(settings), testing::ElementsAre(1.5, 0.5, -0.5));
+  settings.steps = 1;
+  EXPECT_THAT(taus_of(settings), testing::ElementsAre(0.5));
+  settings.from = -0.3;
+  settings.to = 1.2;
+  settings.steps = 6;
+  EXPECT_EQ(taus_of(settings)[1], 0.0) << "an end that is met is met exactly";
+}
+
+TEST(ContactSheet, ShowsEveryShapeAtOneScale) {
+  const SurfaceModel model = start_model({});
+  const auto mesh = [&model](double radius) {
+    return tessellate({model, affine_image(model, Vec3::Zero(), radius * Mat3::Identity())}, 3);
+  };
+  const TriangleMesh small = mesh(5.0), large = mesh(10.0);
+  const Canvas sheet = contact_sheet({{&small, "small"}, {&large, "large"}}, "two balls");
+  // Bright pixels of either half: a quarter of the area for half the radius.
+  const int half = sheet.width / 2;
+  double lit[2] = {0.0, 0.0};
+  for (int y = 40; y < sheet.height - 30; ++y) {
+    for (int x = 0; x < sheet.width; ++x) {
+      if (sheet.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(sheet.width) +
+                       static_cast<std::size_t>(x)][0] > 45)
+        lit[x < half ? 0 : 1] += 1.0;
+    }
+  }
+  EXPECT_NEAR(lit[0] / lit[1], 0.25, 0.02);
+  EXPECT_NEAR(shaded_extent(large) / shaded_extent(small), 2.0, 1e-9);
+}
+
+TEST(ContactSheet, OfManyShapesStaysReadable) {
+  const TriangleMesh mesh =
+      tessellate({start_model({}), affine_image(start_model({}), Vec3::Zero(), Mat3::Identity())}, 1);
+  const std::vector<SheetPanel> many(500, SheetPanel{&mesh, "x"});
+  const Canvas sheet = contact_sheet(many, "many");
+  EXPECT_LE(sheet.width, 1600);
+  EXPECT_LE(sheet.height, 1600);
+  EXPECT_LE(text_width(fitting_text(std::string(300, 'a') + "end", 2, 200), 2), 200);
+  EXPECT_THAT(fitting_text(std::string(300, 'a') + "end", 2, 200), testing::EndsWith("end"));
+}
+
+}  // namespace
+}  // namespace pellicle
