@@ -48,6 +48,12 @@ PhantomSettings settings_of(const std::string& shape, std::size_t variant) {
   return s;
 }
 
+FitSettings settings_for(const ModelChoice& model) {
+  FitSettings settings;
+  settings.model = model;
+  return settings;
+}
+
 struct Row {
   std::vector<double> assd, dice, seconds, otsu;
   int ok = 0, runs = 0;
@@ -58,7 +64,8 @@ void run_case(const Phantom& phantom, const Options& options, Row& row) {
   RandomEngine random(phantom.settings.seed);
   for (const SeedDraw& seed : draw_seeds(phantom, options.seeds, random)) {
     const double begin = seconds_now();
-    const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, {.model = options.model});
+    const FitResult fit =
+        fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, settings_for(options.model));
     row.seconds.push_back(seconds_now() - begin);
     const TriangleMesh mesh = measuring_mesh(fit.surface, h);
     row.assd.push_back(surface_distances(mesh, phantom.truth_surface, h).assd / h);
@@ -108,7 +115,7 @@ void clean_sphere_table(const Options& options) {
   const Phantom phantom = make_phantom(s);
   const double h = phantom.image.grid.mean_spacing();
   const SeedDraw seed = phantom.seeds.front();
-  const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, {.model = options.model});
+  const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, settings_for(options.model));
   const TriangleMesh mesh = measuring_mesh(fit.surface, h);
   const Image<std::uint8_t> mask = rasterize_mask(mesh, phantom.image.grid);
   const double truth = 1000.0 * phantom.exact_volume_ml;
