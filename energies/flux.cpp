@@ -52,4 +52,36 @@ std::array<Image<float>, 3> gradient_images(const Image<float>& image) {
   return out;
 }
 
+Image<float> flux_antiderivative(const Image<float>& image) {
+  const ImageGrid& grid = image.grid;
+  const Index3& size = grid.size;
+  Image<float> out(grid);
+  const double h = grid.spacing[0];
+  parallel_for(static_cast<std::size_t>(size[2]), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> across(static_cast<std::size_t>(size[0]));
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
+      const int below = std::max(0, k - 1), above = std::min(size[2] - 1, k + 1);
+      for (int j = 0; j < size[1]; ++j) {
+        const int left = std::max(0, j - 1), right = std::min(size[1] - 1, j + 1);
+        for (int i = 0; i < size[0]; ++i) {
+          const double here = 2.0 * image.at(i, j, k);
+          across[static_cast<std::size_t>(i)] =
+              (image.at(i, left, k) - here + image.at(i, right, k)) / (grid.spacing[1] * grid.spacing[1]) +
+              (image.at(i, j, below) - here + image.at(i, j, above)) / (grid.spacing[2] * grid.spacing[2]);
+        }
+        double sum = 0.0;
+        for (int i = 0; i < size[0]; ++i) {
+          const auto at = static_cast<std::size_t>(i);
+          if (i > 0) sum += 0.5 * h * (across[at - 1] + across[at]);
+          const int low = std::max(0, i - 1), high = std::min(size[0] - 1, i + 1);
+          const double rise = image.at(high, j, k) - image.at(low, j, k);
+          const double slope = high > low ? rise / ((high - low) * h) : 0.0;
+          out.at(i, j, k) = static_cast<float>(slope + sum);
+        }
+      }
+    }
+  });
+  return out;
+}
+
 }  // namespace pellicle

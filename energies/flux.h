@@ -15,6 +15,13 @@ namespace pellicle {
 double flux(const std::array<CubicField, 3>& gradient, double scale, const std::vector<Vec3>& x,
             const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx, std::vector<Vec3>& dE_da);
 
+/// The same flux pre-integrated (divergence theorem; Schmitter, Garcia-Amorena, Unser 2017, Eq. (20)): with e the
+/// world direction of the first index axis and g = flux_antiderivative(image),
+///   sum_i grad I(x_i) . a_i  =  sum_i g(x_i) e . a_i   (region_integral of region.h)
+/// up to discretisation, on surfaces inside the volume. g is the antiderivative of the Laplacian along that axis:
+/// dI/de, plus the running integral of the second differences across it. Intensity per mm.
+Image<float> flux_antiderivative(const Image<float>& image);
+
 /// Central differences of an image in intensity per mm along the world axes, one image a component.
 std::array<Image<float>, 3> gradient_images(const Image<float>& image);
 

@@ -139,15 +139,19 @@ Image<float> antiderivative(const Image<float>& image) {
 double region_integral(const CubicField& antiderivative, const Vec3& axis_in_world, double scale,
                        const std::vector<Vec3>& x, const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx,
                        std::vector<Vec3>& dE_da) {
+  std::vector<double> part(x.size());
+  parallel_for(x.size(), 128, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Vec3 gradient;
+      const double value = antiderivative.value(x[i], gradient);
+      const double along = axis_in_world.dot(area_vector[i]);
+      part[i] = value * along;
+      dE_dx[i] += scale * along * gradient;
+      dE_da[i] += scale * value * axis_in_world;
+    }
+  });
   double energy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    Vec3 gradient;
-    const double value = antiderivative.value(x[i], gradient);
-    const double along = axis_in_world.dot(area_vector[i]);
-    energy += value * along;
-    dE_dx[i] += scale * along * gradient;
-    dE_da[i] += scale * value * axis_in_world;
-  }
+  for (const double p : part) energy += p;
   return scale * energy;
 }
 

@@ -1,6 +1,6 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, orders,
-// torus, speed, threads (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the
-// phantoms, the sphere and the brain).
+// torus, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME,
+// --model NAME (of the phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
 
@@ -62,9 +62,17 @@ int main(int argc, char** argv) try {
       wanted.push_back(word);
   }
   const std::vector<std::pair<std::string, void (*)(const Options&)>> sections{
-      {"sphere", clean_sphere_table}, {"phantoms", phantom_table}, {"torus", torus_table},
-      {"brain", brain_table},         {"sarcoma", sarcoma_table},  {"orders", storage_order_table},
-      {"speed", speed_table},         {"threads", thread_table},   {"solvers", [](const Options&) { solver_table(); }}};
+      {"sphere", clean_sphere_table},
+      {"phantoms", phantom_table},
+      {"torus", torus_table},
+      {"power", power_table},
+      {"brain", brain_table},
+      {"sarcoma", sarcoma_table},
+      {"orders", storage_order_table},
+      {"speed", speed_table},
+      {"threads", thread_table},
+      {"solvers", [](const Options&) { solver_table(); }},
+      {"flux", [](const Options&) { flux_table(); }}};
   std::filesystem::create_directories(options.scratch);
   for (const auto& [name, run] : sections) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run(options);

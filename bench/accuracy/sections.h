@@ -27,6 +27,7 @@ void storage_order_table(const Options& options);
 void speed_table(const Options& options);
 void thread_table(const Options& options);
 void solver_table();
+void flux_table();
 
 double seconds_now();
 /// Mesh for measuring: facets of about 0.7 h.

@@ -55,6 +55,32 @@ Places on_sphere(const SplineSettings& s, int level) {
   return places;
 }
 
+/// The knots' own lines: 2^level intervals between control points, and the poles.
+Places on_meridians(const SplineModel& model, int level) {
+  const SplineSettings& s = model.settings();
+  const int fine = 1 << level, columns = s.m1 * fine, rings = s.m2 * fine - 1;
+  Places places;
+  places.at.push_back({0.0, 0.0, Vec3::UnitZ(), 1});
+  for (int b = 1; b <= rings; ++b) {
+    for (int a = 0; a < columns; ++a) {
+      const double knots_u = static_cast<double>(a) / fine, knots_v = static_cast<double>(b) / fine;
+      places.at.push_back({knots_u, knots_v, model.reference_point(knots_u / s.m1, knots_v / s.m2)});
+    }
+  }
+  const int south = static_cast<int>(places.at.size());
+  places.at.push_back({0.0, static_cast<double>(s.m2), -Vec3::UnitZ(), -1});
+  const auto sample = [&](int a, int b) { return 1 + a % columns + columns * (b - 1); };
+  for (int a = 0; a < columns; ++a) {
+    places.triangles.push_back({0, sample(a, 1), sample(a + 1, 1)});
+    for (int b = 1; b < rings; ++b) {
+      const int p = sample(a, b), q = sample(a, b + 1), r = sample(a + 1, b + 1), t = sample(a + 1, b);
+      places.triangles.insert(places.triangles.end(), {{p, q, r}, {p, r, t}});
+    }
+    places.triangles.push_back({south, sample(a + 1, rings), sample(a, rings)});
+  }
+  return places;
+}
+
 Places on_grid(const SplineModel& model, int level) {
   const SplineSettings& s = model.settings();
   const int fine = 1 << level, cells_u = s.m1 * fine, cells_v = s.m2 * fine;
@@ -179,6 +205,14 @@ SampleLayout SplineModel::layout(int level) const {
   }
   return lay_out(*this, level,
                  settings_.topology == SplineTopology::sphere ? on_sphere(settings_, level) : on_grid(*this, level));
+}
+
+SampleLayout SplineModel::knot_layout(int level) const {
+  if (settings_.topology != SplineTopology::sphere) return layout(level);
+  if (level < 0 || level > kHighestLevel) {
+    throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestLevel));
+  }
+  return lay_out(*this, level, on_meridians(*this, level));
 }
 
 }  // namespace pellicle

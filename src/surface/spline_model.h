@@ -79,6 +79,9 @@ class SplineModel {
   /// Sphere: directions of an icosphere, so that samples do not crowd at the poles. Others: 2^level intervals between
   /// control points. The samples of a level are among those of the next.
   SampleLayout layout(int level) const;
+  /// Sphere: meridians and parallels through the control points, 2^level intervals between them: samples crowd at the
+  /// poles as control points do, and no motion of these escapes. Others: as layout().
+  SampleLayout knot_layout(int level) const;
   void evaluate(const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
                 SurfaceSamples& samples) const;
   void pull_back(const Parameters& parameters, const SampleLayout& layout, const std::vector<Vec3>& dE_dx,

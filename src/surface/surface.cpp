@@ -118,6 +118,11 @@ SampleLayout layout_of(const SurfaceModel& model, int level) {
   return std::visit([&](const auto& m) { return m.layout(level); }, model);
 }
 
+SampleLayout knot_layout_of(const SurfaceModel& model, int level) {
+  if (const auto* spline = std::get_if<SplineModel>(&model)) return spline->knot_layout(level);
+  return layout_of(model, level);
+}
+
 void evaluate(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
               SurfaceSamples& samples) {
   std::visit([&](const auto& m) { m.evaluate(parameters, layout, with_jacobian, samples); }, model);

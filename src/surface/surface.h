@@ -52,6 +52,9 @@ int degrees_of_freedom(const SurfaceModel& model);
 int refinements_of(const SurfaceModel& model);
 bool is_closed(const SurfaceModel& model);
 SampleLayout layout_of(const SurfaceModel& model, int level);
+/// Samples that see every motion of the control points, even where these crowd (a spline's poles): about four a control
+/// point at level 1, four times as many a level. Otherwise as layout_of.
+SampleLayout knot_layout_of(const SurfaceModel& model, int level);
 void evaluate(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
               SurfaceSamples& samples);
 void pull_back(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout,

@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
                                   {{"--seed-model", "{DIR}/broken.json"}, 65, "broken.json"},
                                   {{"--coords", "xyz"}, 64, "lps, ras, ijk"},
                                   {{"--objects", "many"}, 64, "not available yet"},
-                                  {{"--model", "slime"}, 64, "slime"},
+                                  {{"--model", "clay"}, 64, "clay"},
                                   {{"--points", "{DIR}/plain_file"}, 64, "--points"},
                                   {{"--rule", "rough"}, 64, "smooth, published, balanced"},
                                   {{"--start", "cube"}, 64, "tetrahedron"},
