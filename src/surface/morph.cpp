@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/surface/spline_gram.h"
 
 namespace pellicle {
 namespace {
@@ -66,19 +68,83 @@ std::string describe(const Surface& surface) {
   throw UsageError(fmt::format("shapes do not match (A and B): A is {}, B {}; {}", describe(a), describe(b), hint));
 }
 
-bool same_rule(const SurfaceModel& a, const SurfaceModel& b) {
-  return std::visit(
-      [](const auto& m, const auto& n) {
-        if constexpr (std::is_same_v<decltype(m), const NormalModel&> && std::is_same_v<decltype(m), decltype(n)>) {
-          return m.rule() == n.rule();
-        }
-        return true;
-      },
-      a, b);
+/// Whether one control mesh, and the rule that makes a surface of it, serves both.
+bool same_kind(const NormalModel& a, const NormalModel& b) {
+  return a.rule() == b.rule();
+}
+bool same_kind(const SplineModel& a, const SplineModel& b) {
+  return a.settings().topology == b.settings().topology && a.settings().generator == b.settings().generator;
+}
+template <class A, class B>
+bool same_kind(const A&, const B&) {
+  return std::is_same_v<A, B>;
+}
+
+template <class A, class B>
+bool same_mesh(const A&, const B&) {
+  return false;
+}
+bool same_mesh(const NormalModel& a, const NormalModel& b) {
+  return a.triangles() == b.triangles();
+}
+bool same_mesh(const SplineModel& a, const SplineModel& b) {
+  return a.settings().m1 == b.settings().m1 && a.settings().m2 == b.settings().m2;
+}
+bool same_mesh(const CatmullClarkModel& a, const CatmullClarkModel& b) {
+  return a.topology().quads == b.topology().quads;
+}
+bool same_mesh(const SlimeModel& a, const SlimeModel& b) {
+  return a.topology().quads == b.topology().quads;
+}
+
+bool same_kind(const Surface& a, const Surface& b) {
+  return std::visit([](const auto& m, const auto& n) { return same_kind(m, n); }, a.model, b.model);
 }
 
 bool same_control_mesh(const Surface& a, const Surface& b) {
-  return blocks_of(a.model) == blocks_of(b.model) && control_mesh_of(a).triangles == control_mesh_of(b).triangles;
+  return std::visit([](const auto& m, const auto& n) { return same_mesh(m, n); }, a.model, b.model);
+}
+
+/// Splines: with at least so many control points each way.
+bool enlarge(Surface& surface, const SplineSettings& least) {
+  const auto& model = std::get<SplineModel>(surface.model);
+  const int m1 = std::max(model.settings().m1, least.m1), m2 = std::max(model.settings().m2, least.m2);
+  if (m1 == model.settings().m1 && m2 == model.settings().m2) return false;
+  auto [larger, parameters] = model.resampled(surface.parameters, m1, m2);
+  surface = {std::move(larger), std::move(parameters)};
+  return true;
+}
+
+using Blocks = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+/// A shape less its mean, of size 1: a row a block. Only points move with a shape, vectors do not.
+Blocks centred_blocks(const SurfaceModel& model, const Eigen::MatrixXd& gram, const Parameters& parameters, Vec3& mean,
+                      double& size) {
+  const std::vector<BlockKind> kinds = blocks_of(model);
+  const auto count = static_cast<Eigen::Index>(kinds.size());
+  Eigen::VectorXd one(count);  // the constant 1 as a spline
+  for (Eigen::Index i = 0; i < count; ++i) one[i] = kinds[static_cast<std::size_t>(i)] == BlockKind::point ? 1.0 : 0.0;
+  Blocks blocks =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(parameters.data(), count, 3);
+  const Eigen::VectorXd weights = gram * one;
+  mean = blocks.transpose() * weights / weights.dot(one);
+  blocks -= one * mean.transpose();
+  size = std::sqrt(blocks.cwiseProduct(gram * blocks).sum());
+  return blocks / size;
+}
+
+double angle_of(double apart, double together) {  // exact for small angles too
+  return 2.0 * std::atan2(std::sqrt(apart), std::sqrt(together));
+}
+
+ShapeMoments moments_by_gram(const SurfaceModel& model, const Eigen::MatrixXd& gram, const Parameters& a,
+                             const Parameters& b) {
+  ShapeMoments moments;
+  const Blocks x = centred_blocks(model, gram, a, moments.mean_a, moments.size_a);
+  const Blocks y = centred_blocks(model, gram, b, moments.mean_b, moments.size_b);
+  const auto square = [&gram](const Blocks& v) { return std::max(0.0, v.cwiseProduct(gram * v).sum()); };
+  moments.angle = angle_of(square(x - y), square(x + y));
+  return moments;
 }
 
 /// The parameters of shape `p` with every point and vector put through `f(block, kind)`.
@@ -131,21 +197,33 @@ Parameters on_sphere(const MorphPath& path, double tau) {
 }  // namespace
 
 MatchedSurfaces match_surfaces(const Surface& a, const Surface& b) {
-  if (model_name(a.model) != model_name(b.model)) refuse(a, b, "choose two of one kind");
-  if (!same_rule(a.model, b.model)) refuse(a, b, "their subdivision rules differ; fit both with the same --rule");
+  if (!same_kind(a, b)) refuse(a, b, "choose two of one kind, fitted with the same --model and --rule");
   MatchedSurfaces result{a, b};
+  if (const auto* spline = std::get_if<SplineModel>(&a.model)) {
+    const SplineSettings of_a = spline->settings(), of_b = std::get<SplineModel>(b.model).settings();
+    result.a_changed = enlarge(result.a, of_b);
+    result.b_changed = enlarge(result.b, of_a);
+    return result;
+  }
   const int points_a = control_point_count(a.model), points_b = control_point_count(b.model);
   Surface& coarse = points_a < points_b ? result.a : result.b;
   while (control_point_count(coarse.model) < std::max(points_a, points_b)) coarse = refine(coarse);
   (points_a < points_b ? result.a_changed : result.b_changed) = points_a != points_b;
   if (!same_control_mesh(result.a, result.b)) {
-    refuse(a, b, "no refinement of one gives the control mesh of the other; fit both with the same --start");
+    refuse(a, b,
+           "no refinement of one gives the control mesh of the other; fit both with the same --start, or one from the "
+           "other with --seed-model");
   }
   return result;
 }
 
 ShapeMeasure shape_measure(const MatchedSurfaces& surfaces) {
-  ShapeMeasure measure{layout_of(surfaces.a.model, measuring_level(surfaces.a.model)), {}};
+  ShapeMeasure measure;
+  if (const auto* spline = std::get_if<SplineModel>(&surfaces.a.model)) {
+    measure.gram = gram_matrix(*spline);
+    return measure;
+  }
+  measure.layout = layout_of(surfaces.a.model, measuring_level(surfaces.a.model));
   measure.weights.assign(measure.layout.patch_of.size(), 0.0);
   for (const Surface* surface : {&surfaces.a, &surfaces.b}) {
     const SampleLayout layout = layout_of(surface->model, measure.layout.level);
@@ -160,6 +238,7 @@ ShapeMeasure shape_measure(const MatchedSurfaces& surfaces) {
 
 ShapeMoments shape_moments(const SurfaceModel& model, const ShapeMeasure& measure, const Parameters& a,
                            const Parameters& b) {
+  if (measure.gram.size() > 0) return moments_by_gram(model, measure.gram, a, b);
   std::vector<Vec3> x = samples_of(model, a, measure.layout), y = samples_of(model, b, measure.layout);
   const auto centre = [&measure](std::vector<Vec3>& points, Vec3& mean, double& size) {
     for (std::size_t i = 0; i < points.size(); ++i) mean += measure.weights[i] * points[i];
@@ -179,7 +258,7 @@ ShapeMoments shape_moments(const SurfaceModel& model, const ShapeMeasure& measur
     apart += measure.weights[i] * (x[i] - y[i]).squaredNorm();
     together += measure.weights[i] * (x[i] + y[i]).squaredNorm();
   }
-  moments.angle = 2.0 * std::atan2(std::sqrt(apart), std::sqrt(together));  // exact for small angles too
+  moments.angle = angle_of(apart, together);
   return moments;
 }
 

@@ -10,10 +10,11 @@
 /// does), and ends at A and B themselves.
 /// Unit normals of control points turn along the great circle between them in both spaces.
 ///
-/// The inner product of two shapes is the mean of a . b over the reference shape (sphere, torus ...), by area, taken at
-/// samples. Models that are not linear in their parameters (normal model) leave the great circle a little; their mean
-/// and size are still exact.
+/// The inner product of two shapes is the mean of a . b: for splines over the parameters u and v, Eq. (16), exactly;
+/// for the other models over the reference shape by area, at samples. The normal model, which is not linear in its
+/// parameters, leaves the great circle a little; its mean and size are still exact.
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,11 @@ namespace pellicle {
 
 enum class MorphSpace { plane, sphere };
 
-/// How shapes of one model are compared.
+/// How shapes of one model are compared: by samples, or (splines) by the Gram matrix of the blocks; the other is empty.
 struct ShapeMeasure {
   SampleLayout layout;
   std::vector<double> weights;  ///< of the samples, sum 1
+  Eigen::MatrixXd gram;
 };
 
 /// First and second moments of two shapes under a measure.
@@ -51,11 +53,11 @@ struct MatchedSurfaces {
   bool a_changed = false, b_changed = false;  ///< has more control points than before
 };
 
-/// Brings both surfaces to one control mesh: the coarser one is refined until it has the other's.
-/// \throws UsageError when they are of different kinds, rules or control meshes.
+/// Brings both surfaces to one control mesh: splines to the larger M1 and M2, of the others the coarser one is refined
+/// until it has the other's. \throws UsageError when they are of different kinds, rules, generators or control meshes.
 MatchedSurfaces match_surfaces(const Surface& a, const Surface& b);
 
-/// Of the model's reference shape; where a model has none, of both shapes' own areas.
+/// Where the models have no reference shape, areas are those of the two shapes.
 ShapeMeasure shape_measure(const MatchedSurfaces& surfaces);
 ShapeMoments shape_moments(const SurfaceModel& model, const ShapeMeasure& measure, const Parameters& a,
                            const Parameters& b);

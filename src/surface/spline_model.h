@@ -90,6 +90,8 @@ class SplineModel {
   /// and the slopes at open borders kept. Exact for ellipsoids (and elliptic tori); otherwise an interpolation whose
   /// error falls with the third power of the spacing of the control points (docs/models.md).
   std::pair<SplineModel, Parameters> refine(const Parameters& parameters) const;
+  /// The same with numbers of control points of one's choice. \throws UsageError naming the size and its least value.
+  std::pair<SplineModel, Parameters> resampled(const Parameters& parameters, int m1, int m2) const;
   /// How often a start model was refined to have about so many control points.
   int refinements() const;
 

@@ -26,7 +26,7 @@ Row row_of(const SplineAxis& axis, const AxisWeights& at, const std::array<doubl
 }
 
 /// Control points on the same curve at the knots of `to`; open ends keep their slope.
-Eigen::MatrixXd resampled(const SplineAxis& from, const SplineAxis& to) {
+Eigen::MatrixXd knots_of(const SplineAxis& from, const SplineAxis& to) {
   Eigen::MatrixXd result(to.rows(), from.rows());
   for (int k = 0; k <= (to.closed() ? to.m() - 1 : to.m()); ++k) {
     const AxisWeights at = from.at(static_cast<double>(k) * from.m() / to.m());
@@ -75,14 +75,18 @@ void set(Parameters& parameters, int block, const Vec3& x) {
 }  // namespace
 
 std::pair<SplineModel, Parameters> SplineModel::refine(const Parameters& parameters) const {
+  return resampled(parameters, next_size(settings_.m1), next_size(settings_.m2));
+}
+
+std::pair<SplineModel, Parameters> SplineModel::resampled(const Parameters& parameters, int m1, int m2) const {
   SplineSettings settings = settings_;
-  settings.m1 = next_size(settings.m1);
-  settings.m2 = next_size(settings.m2);
+  settings.m1 = m1;
+  settings.m2 = m2;
   SplineModel fine(settings);
   const std::vector<Vec3> grid = control_grid(parameters);
   const Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>> points(grid.front().data(), 3,
                                                                           static_cast<Eigen::Index>(grid.size()));
-  const Eigen::MatrixXd by_u = resampled(along_u_, fine.along_u_), by_v = resampled(along_v_, fine.along_v_);
+  const Eigen::MatrixXd by_u = knots_of(along_u_, fine.along_u_), by_v = knots_of(along_v_, fine.along_v_);
   std::array<Eigen::MatrixXd, 3> result;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::VectorXd coordinate = points.row(axis);

@@ -120,6 +120,34 @@ TEST_F(MorphFiles, ACoarserModelIsRefinedAndTheReportSaysSo) {
   EXPECT_LE(result.moved_a_mm, 0.05) << "a sphere stays a sphere";
 }
 
+TEST_F(MorphFiles, SplinesMeetAtTheLargerSizeAndOpenOnesHaveNoVolume) {
+  const auto write = [](const fs::path& path, const SurfaceModel& model, const Vec3& half_axes) {
+    write_model(path, {model, affine_image(model, Vec3(5, 6, 7), half_axes.asDiagonal())});
+  };
+  write(settings_.a, SplineModel({.topology = SplineTopology::sphere, .m1 = 8, .m2 = 3}), {10, 12, 8});
+  write(settings_.b, SplineModel({.topology = SplineTopology::sphere, .m1 = 5, .m2 = 4}), {9, 9, 14});
+  settings_.steps = 3;
+  settings_.mesh_density = 4;
+  const MorphResult closed = morph(settings_, {});
+  EXPECT_EQ(closed.points, 8 * 3 + 2);
+  EXPECT_NE(closed.points, closed.points_a);
+  EXPECT_LE(closed.moved_a_mm, 0.02) << "ellipsoids are kept exactly";
+  EXPECT_LE(closed.moved_b_mm, 0.02);
+  // Between two ellipsoids on the plane lies the ellipsoid of the mean half axes.
+  EXPECT_NEAR(*closed.steps[1].volume_ml / (4.0 / 3.0 * 3.14159265358979 * 9.5 * 10.5 * 11.0 / 1000.0), 1.0, 2e-4);
+
+  const SplineModel cylinder({.topology = SplineTopology::cylinder, .m1 = 6, .m2 = 2});
+  write(settings_.a, cylinder, {5, 5, 10});
+  write(settings_.b, cylinder, {8, 4, 5});
+  settings_.overwrite = true;
+  const MorphResult open = morph(settings_, {});
+  EXPECT_EQ(open.exit_code(), 0);
+  EXPECT_FALSE(open.steps[1].volume_ml.has_value());
+  const auto json = nlohmann::json::parse(text_of(settings_.output / "small_to_large_morph.json"));
+  EXPECT_TRUE(json["steps"][1]["volume_ml"].is_null());
+  EXPECT_FALSE(json["steps"][1]["watertight"].get<bool>());
+}
+
 TEST(MorphSettings, StepsAreEquallySpacedOneIsTheMiddle) {
   MorphSettings settings;
   EXPECT_THAT(taus_of(settings), testing::ElementsAre(0.0, 0.25, 0.5, 0.75, 1.0));
