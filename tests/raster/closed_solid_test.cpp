@@ -1,0 +1,98 @@
+// Solids around points and out of masks: closed, of genus 0, about the right size.
+#include "pellicle/raster/closed_solid.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/base/random.h"
+#include "pellicle/mesh/measure.h"
+
+namespace pellicle {
+namespace {
+
+std::vector<Vec3> on_ball(int count, double radius, RandomEngine& random) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i)
+    points.push_back(radius * Vec3(random.normal(), random.normal(), random.normal()).normalized());
+  return points;
+}
+
+void expect_sphere_like(const TriangleMesh& surface) {
+  const MeshTopology t = topology_of(surface);
+  EXPECT_TRUE(t.closed && t.manifold && t.oriented) << t.first_fault;
+  EXPECT_EQ(t.components, 1);
+  EXPECT_EQ(t.genus, 0);
+  EXPECT_GT(volume_of(surface), 0.0);
+}
+
+TEST(SolidOfPoints, HoldsABallOfPoints) {
+  RandomEngine random(1);
+  for (const int count : {60, 1000, 20000}) {
+    const double spacing = 10.0 * std::sqrt(4.0 * std::numbers::pi / count) / 2.0;
+    const ClosedSolid solid = solid_of_points(on_ball(count, 10.0, random), spacing);
+    expect_sphere_like(solid.surface);
+    EXPECT_NEAR(volume_of(solid.surface) / (4.0 / 3.0 * std::numbers::pi * 1000.0), 1.0, count < 100 ? 0.6 : 0.25)
+        << count;
+  }
+}
+
+TEST(SolidOfPoints, BridgesAHole) {
+  RandomEngine random(2);
+  std::vector<Vec3> points = on_ball(8000, 10.0, random);
+  std::erase_if(points, [](const Vec3& x) { return x.z() > 8.5; });
+  const ClosedSolid solid = solid_of_points(points, 0.3);
+  expect_sphere_like(solid.surface);
+  EXPECT_GT(volume_of(solid.surface), 0.6 * 4.0 / 3.0 * std::numbers::pi * 1000.0);
+  EXPECT_GT(solid.closing_mm, 0.0);
+}
+
+TEST(SolidOfPoints, RefusesWhatEnclosesNothing) {
+  EXPECT_THROW(solid_of_points({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, 1.0), BadData);
+  EXPECT_THROW(solid_of_points({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 0), Vec3(2, 1, 0)}, 1.0),
+               BadData);
+}
+
+Image<std::uint8_t> ball_mask(double bore) {
+  ImageGrid grid;
+  grid.size = {24, 20, 22};
+  grid.spacing = {1.0, 1.2, 1.1};
+  Image<std::uint8_t> mask(grid);
+  for (int k = 0; k < 22; ++k) {
+    for (int j = 0; j < 20; ++j) {
+      for (int i = 0; i < 24; ++i) {
+        const Vec3 x = grid.world_from_index(Vec3(i, j, k)) - Vec3(12, 11.5, 11.5);
+        mask.at(i, j, k) = x.norm() < 9.0 && std::hypot(x.x(), x.y()) >= bore ? 1 : 0;
+      }
+    }
+  }
+  return mask;
+}
+
+TEST(SolidOfMask, KeepsABallAsItIs) {
+  const ClosedSolid solid = solid_of_mask(ball_mask(0.0));
+  expect_sphere_like(solid.surface);
+  EXPECT_EQ(solid.closing_mm, 0.0);
+  EXPECT_NEAR(volume_of(solid.surface) / (4.0 / 3.0 * std::numbers::pi * 729.0), 1.0, 0.03);
+}
+
+TEST(SolidOfMask, ClosesAHoleThroughItAndFillsACavity) {
+  const ClosedSolid bored = solid_of_mask(ball_mask(1.6));
+  expect_sphere_like(bored.surface);
+  EXPECT_EQ(bored.genus_as_given, 1);
+  EXPECT_GT(bored.closing_mm, 0.0);
+  Image<std::uint8_t> hollow = ball_mask(0.0);
+  hollow.at(12, 10, 10) = 0;
+  EXPECT_EQ(solid_of_mask(hollow).closing_mm, 0.0);
+  expect_sphere_like(solid_of_mask(hollow).surface);
+}
+
+TEST(SolidOfMask, RefusesAnEmptyMask) {
+  ImageGrid grid;
+  grid.size = {4, 4, 4};
+  EXPECT_THROW(solid_of_mask(Image<std::uint8_t>(grid)), BadData);
+}
+
+}  // namespace
+}  // namespace pellicle
