@@ -57,7 +57,8 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {
   double least = -1.0;
   // Thirteen axes, towards faces, edges and corners of a cube: a code above 13 is one of these turned round.
   for (int code = 14; code < 27; ++code) {
-    const Vec3 axis = Vec3(code % 3 - 1, (code / 3) % 3 - 1, code / 9 - 1).normalized();
+    const int layer = code / 9, row = code / 3 % 3, column = code % 3;
+    const Vec3 axis = Vec3(column - 1, row - 1, layer - 1).normalized();
     const Mat3 rotation = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
     const std::vector<Vec3> targets = targets_at(layout, map, rotation);
     Surface surface{probe, start_at_targets(probe, layout, targets)};

@@ -17,7 +17,7 @@ struct SheetPanel {
 
 /// Rows of shaded views under a title, each shape in the middle of its panel. At most 40 panels: of more, every n-th
 /// and the last. Deterministic.
-Canvas contact_sheet(const std::vector<SheetPanel>& panels, const std::string& title);
+Canvas contact_sheet(const std::vector<SheetPanel>& all, const std::string& title);
 
 /// `text`, or "..." and its end where it is wider than `width` pixels: the end of a long name tells files apart.
 std::string fitting_text(const std::string& text, int scale, int width);
