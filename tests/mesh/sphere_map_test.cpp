@@ -102,10 +102,6 @@ TEST(SphereLocator, FindsEveryPlaceWithAndWithoutAHint) {
   }
 }
 
-TEST(InnerRadii, OfABallAreItsRadius) {
-  for (const double r : inner_radii(test::sphere(3, 5.0))) EXPECT_NEAR(r, 5.0, 0.1);
-}
-
 TEST(CollapsedMesh, PutTogetherAgainIsTheMeshItself) {
   const TriangleMesh shape = test::blob(2, 3.0, Vec3::Zero());
   CollapsedMesh collapsed(shape);
