@@ -1,4 +1,5 @@
 // The main job end to end on small phantoms.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -203,6 +204,19 @@ TEST_F(Segment, ExportAgreesWithWhatSegmentWrote) {
   EXPECT_EQ(run({"export", scratch("out/egg_model.json"), "--mesh", scratch("m.stl")}, scratch).exit_code, 73);
 }
 
+// Whether the process comes to catch the signal; a slow start, as under a sanitizer, is waited for.
+bool waits_for(pid_t process, int signal) {
+  const std::string mask_name = "SigCgt:";
+  for (int tries = 0; tries < 3000; ++tries, usleep(10000)) {
+    std::ifstream status(fmt::format("/proc/{}/status", process));
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with(mask_name) &&
+          ((std::stoull(line.substr(mask_name.size()), nullptr, 16) >> (signal - 1)) & 1U))
+        return true;
+  }
+  return false;
+}
+
 TEST_F(Segment, InterruptLeavesNoHalfFile) {
   const Scratch scratch;
   const Outcome made =
@@ -211,6 +225,7 @@ TEST_F(Segment, InterruptLeavesNoHalfFile) {
   const pid_t child = start(
       {"segment", "-i", scratch("big.nii.gz"), "-o", scratch("out"), "--tolerance", "1e-9", "--max-iterations", "1000"},
       scratch);
+  ASSERT_TRUE(waits_for(child, SIGINT));
   usleep(400000);
   kill(child, SIGINT);
   const Outcome outcome = finish(child, scratch);
