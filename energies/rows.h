@@ -32,10 +32,11 @@ struct ScalarRows {
   }
 };
 
-/// Rows of three residuals r_k = sum_j c_kj x_j with scalar c_kj: operators that treat the coordinates alike.
+/// Rows of three residuals r_k = sum_j c_kj x_j - d_k with scalar c_kj: operators that treat the coordinates alike.
 struct VectorRows {
   std::vector<int> start{0}, sample;
   std::vector<double> coefficient;
+  std::vector<Vec3> target;  ///< d, one a row; empty: zero
   std::size_t size() const { return start.size() - 1; }
   void add(int s, double c) {
     sample.push_back(s);
@@ -43,7 +44,7 @@ struct VectorRows {
   }
   void close() { start.push_back(static_cast<int>(sample.size())); }
   Vec3 residual(std::size_t row, const std::vector<Vec3>& x) const {
-    Vec3 r = Vec3::Zero();
+    Vec3 r = target.empty() ? Vec3(Vec3::Zero()) : Vec3(-target[row]);
     for (auto k = static_cast<std::size_t>(start[row]); k < static_cast<std::size_t>(start[row + 1]); ++k) {
       r += coefficient[k] * x[static_cast<std::size_t>(sample[k])];
     }

@@ -8,6 +8,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/evidence.h"
+#include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/hypotheses.h"
 #include "pellicle/mesh/measure.h"
 
@@ -93,6 +94,13 @@ void judge(const StageContext& context, Trial& trial) {
                  inverse = trial.hypothesis.seed_radius / (3.0 * radius);
     trial.credit /= 1.0 + std::pow(ratio, 4) + std::pow(inverse, 4);
   }
+  // Points say where the surface is: half the credit where they lie a tenth of the radius off.
+  if (!context.settings.points.points.empty() && trial.state.status == FitStatus::ok && trial.credit > 0.0) {
+    const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
+    const double off =
+        distances_to(context.settings.points, trial.state.surface, context.image.grid.mean_spacing()).rms_mm;
+    trial.credit /= 1.0 + std::pow(off / (0.1 * radius), 2);
+  }
 }
 
 // By how much the best reading must be ahead of one that found another volume. Among ranges of "alike the seed" the
@@ -142,7 +150,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   constexpr double kGain = 0.99;   // less than one per cent better is not better
   constexpr double kNoise = 0.05;  // of neighbouring residuals
   for (std::size_t s = first_new; s < stages.size() && trial.state.status == FitStatus::ok; ++s) {
-    if (best_stage != nullptr && best.residual_correlation < kNoise) {
+    if (best_stage != nullptr && best.residual_correlation < kNoise && !context.settings.error_target_mm) {
       trial.stages.back().reason += "; what is left is noise";
       break;
     }
@@ -150,6 +158,15 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
     trial.stages.push_back(run_stage(context, stages[s], trial.state));
     if (!measures_edges(stages[s])) continue;
     const bool failed = trial.state.status != FitStatus::ok;
+    // Told how good is good enough, finer control meshes are taken until it is.
+    const std::optional<double>& target = context.settings.error_target_mm;
+    if (target && !failed) {
+      best = trial.state;
+      best_stage = &stages[s];
+      if (!(trial.state.error <= *target)) continue;
+      trial.stages.back().reason += "; the error target is met";
+      break;
+    }
     if (best_stage != nullptr && (failed || !(trial.state.held_out_rms < kGain * best.held_out_rms))) {
       trial.stages.back().reason += "; dropped: samples left out are not foretold better";
       break;
@@ -218,7 +235,7 @@ double margin_of(const std::vector<Trial>& trials, std::size_t best) {
 
 FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
   const Trial& chosen = trials[best];
-  FitResult result{chosen.state.surface, {}};
+  FitResult result{chosen.state.surface, {}, chosen.state.trace};
   FitSummary& summary = result.summary;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     const Trial& t = trials[i];
@@ -281,7 +298,11 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
   refine_by_evidence(context, trials[best]);
   judge(context, trials[best]);
-  return summarise(trials, best);
+  FitResult result = summarise(trials, best);
+  if (!settings.points.points.empty()) {
+    result.summary.points = distances_to(settings.points, result.surface, image.grid.mean_spacing());
+  }
+  return result;
 }
 
 }  // namespace pellicle

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,12 @@ struct HypothesisSummary {
   bool chosen = false;
 };
 
+/// How far the expert points lie from the surface.
+struct PointDistances {
+  std::size_t count = 0;  ///< points with a weight
+  double rms_mm = 0.0, max_mm = 0.0;
+};
+
 struct FitSummary {
   FitStatus status = FitStatus::no_contrast;
   std::string reason;                ///< one sentence for the status
@@ -67,12 +74,21 @@ struct FitSummary {
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::step;
   double level_inside = 0.0, level_outside = 0.0;  ///< medians at the surface, intensity units
+  std::optional<PointDistances> points = {};       ///< of the expert points, when there are any
   int iterations() const;                          ///< all stages
+};
+
+/// The surface at one moment of a fit.
+struct TraceFrame {
+  std::string stage;
+  int step = 0;  ///< of the stage; 0: its start
+  Surface surface;
 };
 
 struct FitResult {
   Surface surface;
   FitSummary summary;
+  std::vector<TraceFrame> trace = {};  ///< on the way to `surface`, as FitSettings::trace_every says
 };
 
 /// Called now and then with a share done 0..1 and what is going on.

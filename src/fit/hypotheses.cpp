@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pellicle/energies/edge.h"
+#include "pellicle/fit/expert_points.h"
 #include "pellicle/seed/head.h"
 #include "pellicle/seed/rays.h"
 
@@ -26,6 +27,7 @@ FitState state_from(const SurfaceModel& model, const Vec3& centre, const Mat3& s
 
 std::vector<Stage> stages_of(const FitSettings& settings) {
   std::vector<Stage> stages = settings.stages.empty() ? default_stages(settings) : settings.stages;
+  for (Stage& stage : stages) stage = with_overrides(std::move(stage), settings);
   for (const auto& [name, weight] : settings.energies) {
     const bool used =
         std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
@@ -193,7 +195,18 @@ std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surf
 
 std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
                                        const std::string& prefix) {
-  if (const auto* surface = std::get_if<Surface>(&seed)) return surface_hypotheses(image, *surface, settings, prefix);
+  const auto* surface = std::get_if<Surface>(&seed);
+  const bool free_start = settings.start_rule == StartRule::automatic && settings.stages.empty();
+  if (free_start && !settings.points.points.empty()) {
+    const double h = image.grid.mean_spacing();
+    const std::optional<Surface> start =
+        surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);
+    if (start) {
+      const Surface drawn = drawn_to_points(image, *start, settings.points, settings.detail.value_or(2));
+      return surface_hypotheses(image, drawn, settings, prefix + "expert points, ");
+    }
+  }
+  if (surface != nullptr) return surface_hypotheses(image, *surface, settings, prefix);
   const auto& sphere = std::get<SeedSphere>(seed);
   if (settings.start_rule == StartRule::head) return {head_hypothesis(image, sphere, settings, prefix)};
   return sphere_hypotheses(image, sphere, settings, prefix);
@@ -244,6 +257,7 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
                           .max_steps = 6,
                           .tolerance = 0.01}};
     for (Stage& stage : hypothesis.stages) {
+      stage = with_overrides(std::move(stage), settings);
       if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
       stage.resolution = 1.0;
     }

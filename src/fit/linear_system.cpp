@@ -78,6 +78,7 @@ LinearSystem::LinearSystem(const SampleLayout& layout, std::size_t blocks,
   for (const GroupedOperator& op : operators) {
     const Matrix rows = over_blocks(layout, blocks, op);
     operators_ += Matrix(rows.transpose() * rows);
+    if (!op.rows.target.empty()) aimed_.emplace_back(&op, rows);
   }
   const std::vector<std::set<int>> below = meetings(layout, operators_, blocks);
   start_.push_back(0);
@@ -152,10 +153,8 @@ bool LinearSystem::add_row(const ScalarRows& rows, std::size_t row, const Parame
   return known;
 }
 
-bool LinearSystem::minimise(const std::vector<NamedRows>& rows, Parameters& parameters) {
-  const Eigen::Index size = normal_.cols();
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
-  std::fill_n(normal_.valuePtr(), normal_.nonZeros(), 0.0);
+// K c - (L W)^T t, and K into the matrix.
+bool LinearSystem::add_operators(const Parameters& parameters, Eigen::VectorXd& gradient) {
   bool known = true;
   for (int column = 0; column < operators_.outerSize(); ++column) {
     for (Matrix::InnerIterator it(operators_, column); it; ++it) {
@@ -164,6 +163,22 @@ bool LinearSystem::minimise(const std::vector<NamedRows>& rows, Parameters& para
       if (row >= column) known = add_block(row, column, it.value() * Mat3::Identity()) && known;
     }
   }
+  for (const auto& [op, rows] : aimed_) {
+    for (int column = 0; column < rows.outerSize(); ++column) {
+      for (Matrix::InnerIterator it(rows, column); it; ++it) {
+        const Vec3& target = op->rows.target[static_cast<std::size_t>(it.row())];
+        gradient.segment<3>(3 * column) -= op->root_weight * it.value() * target;
+      }
+    }
+  }
+  return known;
+}
+
+bool LinearSystem::minimise(const std::vector<NamedRows>& rows, Parameters& parameters) {
+  const Eigen::Index size = normal_.cols();
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
+  std::fill_n(normal_.valuePtr(), normal_.nonZeros(), 0.0);
+  bool known = add_operators(parameters, gradient);
   for (const NamedRows& named : rows) {
     for (std::size_t row = 0; row < named.rows.size(); ++row) {
       known = add_row(named.rows, row, parameters, gradient) && known;

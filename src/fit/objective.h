@@ -30,7 +30,7 @@ struct RowGroup {
 std::vector<RowGroup> group_rows(const SampleLayout& layout, const std::vector<int>& start,
                                  const std::vector<int>& sample);
 
-/// Constant operators (bending, tension): built once a stage.
+/// Constant operators (bending, tension; motion, whose targets change): built once a stage.
 struct GroupedOperator {
   std::string name;
   double root_weight = 1.0;  ///< square root of the energy's weight

@@ -27,7 +27,51 @@ void validate_energies(const std::map<std::string, double>& energies, const std:
   }
 }
 
+void validate_motion(const Motion& motion, const std::string& where) {
+  require(motion.time_step > 0.0 && std::isfinite(motion.time_step),
+          fmt::format("time step must be above 0 ({}): {}", where, motion.time_step));
+  require(motion.mass >= 0.0 && std::isfinite(motion.mass),
+          fmt::format("mass must not be negative ({}): {}", where, motion.mass));
+  require(motion.damping >= 0.0 && std::isfinite(motion.damping),
+          fmt::format("damping must not be negative ({}): {}", where, motion.damping));
+  require(motion.mass + motion.damping > 0.0,
+          fmt::format("nothing holds the motion back ({}): mass and damping are both 0; give one of them", where));
+}
+
+Motion with_overrides(Motion motion, const FitSettings& settings) {
+  motion.time_step = settings.time_step.value_or(motion.time_step);
+  motion.mass = settings.mass.value_or(motion.mass);
+  motion.damping = settings.damping.value_or(motion.damping);
+  return motion;
+}
+
+void validate_points(const ExpertPoints& points) {
+  require(
+      points.weights.empty() || points.weights.size() == points.points.size(),
+      fmt::format("expert points (--points): {} points and {} weights", points.points.size(), points.weights.size()));
+  bool usable = points.points.empty();
+  for (std::size_t k = 0; k < points.points.size(); ++k) {
+    require(points.points[k].allFinite(), fmt::format("expert points (--points): point {} is not finite", k + 1));
+    const double w = points.weights.empty() ? 1.0 : points.weights[k];
+    require(w >= 0.0 && std::isfinite(w),
+            fmt::format("expert points (--points): the weight of point {} must not be negative: {}", k + 1, w));
+    usable = usable || w > 0.0;
+  }
+  require(usable, "expert points (--points): all weights are 0; give one above 0");
+}
+
 }  // namespace
+
+Stage with_overrides(Stage stage, const FitSettings& settings) {
+  stage.solver = settings.solver.value_or(stage.solver);
+  stage.motion = with_overrides(stage.motion, settings);
+  if (!settings.points.points.empty()) {
+    const auto told = settings.energies.find("springs");
+    if (told != settings.energies.end()) stage.energies["springs"] = told->second;
+    stage.energies.try_emplace("springs", 1.0);
+  }
+  return stage;
+}
 
 void Stage::validate() const {
   const std::string where = fmt::format("stage '{}'", name);
@@ -41,6 +85,7 @@ void Stage::validate() const {
   require(tolerance >= 0.0 && std::isfinite(tolerance),
           fmt::format("tolerance must not be negative ({}): {}", where, tolerance));
   validate_energies(energies, where);
+  validate_motion(motion, where);
 }
 
 void FitSettings::validate() const {
@@ -56,6 +101,24 @@ void FitSettings::validate() const {
           fmt::format("--target-volume must be above 0: {}", target_volume_ml.value_or(0)));
   const bool wants_volume =
       std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.energies.contains("volume"); });
+  validate_motion(with_overrides(Motion{}, *this), "--time-step, --mass, --damping");
+  const bool moves =
+      solver ? *solver == Solver::dynamic
+             : std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.solver == Solver::dynamic; });
+  require(moves || !(time_step || mass || damping),
+          "nothing moves (--time-step, --mass, --damping): they belong to --solver dynamic");
+  require(!error_target_mm || (*error_target_mm > 0.0 && std::isfinite(*error_target_mm)),
+          fmt::format("--error-target must be above 0 mm: {}", error_target_mm.value_or(0)));
+  require(trace_every >= 0, fmt::format("--trace-every must not be negative: {}", trace_every));
+  validate_points(points);
+  const auto wants_springs = [](const auto& weights) {
+    const auto at = weights.find("springs");
+    return at != weights.end() && at->second > 0.0;
+  };
+  const bool springs = wants_springs(energies) || std::any_of(stages.begin(), stages.end(), [&](const Stage& s) {
+                         return wants_springs(s.energies);
+                       });
+  require(!springs || !points.points.empty(), "the energy 'springs' has no points (--energy springs): give --points");
   require(target_volume_ml || (!wants_volume && !energies.contains("volume")),
           "the energy 'volume' has no target (--energy volume): give --target-volume in ml");
   require(volume_weight >= 0.0 && std::isfinite(volume_weight),
@@ -77,6 +140,7 @@ const std::vector<EnergyDescription>& energy_descriptions() {
       {"tension", "residual", "1/(8 pi) int |grad x|^2", "membrane; pulls together"},
       {"spacing", "residual", "sum A_i/A |tangential move|^2 + fold barrier",
        "keeps control points spread and facets unfolded"},
+      {"springs", "residual", "mean w (n . (x - y))^2", "pulls the nearest place to each expert point; needs --points"},
       {"flux", "scalar", "p h^2 s/(c A) int grad(G_s I) . dA", "flux of the smoothed gradient"},
       {"volume", "scalar", "r0^2/2 ((V-V0)/(3 V0))^2", "prior on the volume; needs --target-volume"},
       {"inflation", "scalar", "-h (V-V0)/A", "constant pressure; negative deflates"},
@@ -84,7 +148,9 @@ const std::vector<EnergyDescription>& energy_descriptions() {
   return list;
 }
 
-std::vector<Stage> default_stages(const FitSettings& settings) {
+namespace {
+
+std::vector<Stage> stages_for_start(const FitSettings& settings) {
   std::vector<Stage> stages;
   if (settings.start_rule == StartRule::head) {
     const double bending[] = {2e-3, 2e-4, 5e-6};
@@ -101,8 +167,6 @@ std::vector<Stage> default_stages(const FitSettings& settings) {
     }
     return stages;
   }
-  const bool ridge = settings.boundary == Boundary::ridge;
-  (void)ridge;
   const auto region = [](std::string name, int detail, double bending, int steps) {
     return Stage{.name = std::move(name),
                  .detail = detail,
@@ -125,6 +189,14 @@ std::vector<Stage> default_stages(const FitSettings& settings) {
   };
   return {region("coarse", 1, 2e-3, 12), region("region", 2, 2e-4, 8), edge("edge", 2, 2e-5),
           region("region fine", 3, 2e-5, 6), edge("edge fine", 3, 2e-5)};
+}
+
+}  // namespace
+
+std::vector<Stage> default_stages(const FitSettings& settings) {
+  std::vector<Stage> stages = stages_for_start(settings);
+  for (Stage& stage : stages) stage = with_overrides(std::move(stage), settings);
+  return stages;
 }
 
 }  // namespace pellicle

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/base/geometry.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -21,7 +22,22 @@ enum class StartRule {
 enum class Solver {
   least_squares,        ///< closed form where the surface is linear in its control points, else Levenberg-Marquardt
   levenberg_marquardt,  ///< through Ceres, whatever the model
-  gradient              ///< L-BFGS on the scalar energies, through Ceres
+  gradient,             ///< L-BFGS on the scalar energies, through Ceres
+  dynamic  ///< implicit time steps of a moving surface with mass and damping, each solved as the others are
+};
+
+/// How a surface moves under `Solver::dynamic` (dynamics.h). Time has no unit of its own: these scale with it.
+struct Motion {
+  double time_step = 1.0;
+  double mass = 0.1;  ///< of the whole surface, spread evenly over its area; 0: first order, no inertia
+  double damping = 1.0;
+};
+
+/// Points that the surface should pass through (springs). LPS mm.
+struct ExpertPoints {
+  std::vector<Vec3> points = {};
+  std::vector<double> weights = {};  ///< one a point, >= 0; empty: all alike
+  bool held = false;                 ///< pull to the point itself; else along the normal only, the point may slide
 };
 
 /// One stage of a fit: which energies, with what weights, on what image, with how many control points.
@@ -35,6 +51,7 @@ struct Stage {
   int max_steps = 20;
   double tolerance = 0.05;  ///< stop when the mean normal move falls below, in h
   Solver solver = Solver::least_squares;
+  Motion motion = {};     ///< for Solver::dynamic
   void validate() const;  ///< \throws UsageError naming stage, key, value and rule
 };
 
@@ -48,11 +65,17 @@ struct FitSettings {
   std::map<std::string, double> energies;  ///< weights in the stages that use the energy; in all, when none does
   std::optional<double> target_volume_ml;
   double volume_weight = 1.0;
-  std::optional<int> max_iterations;  ///< overrides Stage::max_steps
-  std::optional<double> tolerance;    ///< overrides Stage::tolerance
-  bool similarity = true;             ///< also try "alike the seed" hypotheses when levels are uncertain
-  std::vector<Stage> stages;          ///< empty: the default sequence for the start rule
-  void validate() const;              ///< \throws UsageError
+  std::optional<int> max_iterations;               ///< overrides Stage::max_steps
+  std::optional<double> tolerance;                 ///< overrides Stage::tolerance
+  std::optional<Solver> solver;                    ///< overrides Stage::solver
+  std::optional<double> time_step, mass, damping;  ///< override Stage::motion
+  std::optional<double> error_target_mm;  ///< refine until the error is so small (rms of the edge offsets; with points
+                                          ///< also of their distances), and no further; default: by evidence
+  ExpertPoints points = {};
+  int trace_every = 0;        ///< keep every n-th step of each stage in FitResult::trace; 0: none
+  bool similarity = true;     ///< also try "alike the seed" hypotheses when levels are uncertain
+  std::vector<Stage> stages;  ///< empty: the default sequence for the start rule
+  void validate() const;      ///< \throws UsageError
 };
 
 /// Every energy that a weight may be given to.
@@ -60,6 +83,9 @@ struct EnergyDescription {
   std::string name, kind, formula, text;  ///< kind: "residual" or "scalar"
 };
 const std::vector<EnergyDescription>& energy_descriptions();
+
+/// `stage` with what the settings say for all stages: solver, motion, springs where there are points.
+Stage with_overrides(Stage stage, const FitSettings& settings);
 
 /// The stages that will run when FitSettings::stages is empty.
 std::vector<Stage> default_stages(const FitSettings& settings);

@@ -347,8 +347,8 @@ StepOutcome solve_step(const StepProblem& problem, Solver solver, int max_iterat
                        Parameters& parameters) {
   if (solver == Solver::gradient || !problem.scalars.empty())
     return solve_gradient(problem, max_iterations, parameters);
-  if (solver == Solver::least_squares && problem.linear != nullptr &&
-      problem.linear->minimise(problem.rows, parameters)) {
+  const bool closed_form = solver == Solver::least_squares || solver == Solver::dynamic;
+  if (closed_form && problem.linear != nullptr && problem.linear->minimise(problem.rows, parameters)) {
     return {1, true, true, "closed form"};
   }
   return solve_least_squares(problem, max_iterations, trust_radius, parameters);

@@ -13,6 +13,8 @@
 #include "pellicle/energies/edge.h"
 #include "pellicle/energies/spacing.h"
 #include "pellicle/energies/tension.h"
+#include "pellicle/fit/dynamics.h"
+#include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/scalars.h"
 
@@ -92,7 +94,9 @@ class StageRun {
 
  private:
   void prepare();
-  std::vector<NamedRows> image_rows(const StepGeometry& g, int step);
+  void add_operators(const StepGeometry& g);
+  void keep_frame(int step, bool last);
+  std::vector<NamedRows> rows_at(const StepGeometry& g, int step);
   NamedRows region_rows(const StepGeometry& g, int step);
   void reestimate_levels(const StepGeometry& g);
   NamedRows edge_rows(const StepGeometry& g, int step);
@@ -110,6 +114,8 @@ class StageRun {
   const Stage& stage_;
   FitState& state_;
   double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
+  double delay_ = 1.0;  ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
+  PointDistances points_ = {};
   const StageGeometry* geometry_ = nullptr;
   std::vector<GroupedOperator> operators_;
   std::optional<LinearSystem> linear_;
@@ -142,6 +148,14 @@ void StageRun::prepare() {
                           : weight_of(stage_, "edge") > 0.0 ? Density::fine
                                                             : Density::coarse;
   geometry_ = &context_.geometry.get(state_.surface.model, sampling_level(state_.surface.model, area, h_, density));
+  first_contrast_ = state_.levels.contrast();
+  // Local levels belong to the samples of the stage that measured them.
+  state_.levels.local_inside.clear();
+  state_.levels.local_outside.clear();
+}
+
+// Before the closed form, which is made of them.
+void StageRun::add_operators(const StepGeometry& g) {
   if (weight_of(stage_, "bending") > 0.0) {
     operators_.push_back(
         grouped_operator("bending", weight_of(stage_, "bending"), geometry_->bending, geometry_->layout));
@@ -150,20 +164,28 @@ void StageRun::prepare() {
     operators_.push_back(
         grouped_operator("tension", weight_of(stage_, "tension"), tension_rows(geometry_->layout), geometry_->layout));
   }
-  if (geometry_->layout.stencils && stage_.solver == Solver::least_squares) {
+  const bool dynamic = stage_.solver == Solver::dynamic;
+  if (dynamic) {
+    delay_ = delay(stage_.motion);
+    operators_.push_back(motion_operator(stage_.motion, g.area, g.samples.x, geometry_->layout));
+  }
+  if (geometry_->layout.stencils && (dynamic || stage_.solver == Solver::least_squares)) {
     linear_.emplace(geometry_->layout, state_.surface.parameters.size() / 3, operators_);
   }
-  first_contrast_ = state_.levels.contrast();
-  // Local levels belong to the samples of the stage that measured them.
-  state_.levels.local_inside.clear();
-  state_.levels.local_outside.clear();
 }
 
-// R <- max(4 h, min(0.85 R, 4 p90|t| + 3 h)): wide at first, narrow once the surface has arrived.
+void StageRun::keep_frame(int step, bool last) {
+  const int every = context_.settings.trace_every;
+  if (every <= 0 || (step % every != 0 && !last)) return;
+  state_.trace.push_back({stage_.name, step, state_.surface});
+}
+
+// R <- max(4 h, min(0.85 R, 4 p90|t| + 3 h)): wide at first, narrow once the surface has arrived. A surface that
+// follows slowly narrows it slowly.
 void StageRun::narrow_reach(const NormalTargets& targets) {
   std::vector<double> size;
   for (const double t : targets.offset) size.push_back(std::abs(t));
-  reach_ = std::max(4.0 * h_, std::min(0.85 * reach_, 4.0 * quantile_of(size, 0.9) + 3.0 * h_));
+  reach_ = std::max(4.0 * h_, std::min(std::pow(0.85, 1.0 / delay_) * reach_, 4.0 * quantile_of(size, 0.9) + 3.0 * h_));
 }
 
 NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
@@ -190,12 +212,12 @@ void StageRun::reestimate_levels(const StepGeometry& g) {
 
 NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
   const double extent = (state_.reading.ridge ? 8.25 : 4.25) * h_;
-  edge_window_ = std::max(1.75, step == 0 ? 2.5 : 0.9 * edge_window_);
+  edge_window_ = std::max(1.75, step == 0 ? 2.5 : std::pow(0.9, 1.0 / delay_) * edge_window_);
   const Profiles profiles =
       sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, extent, extent, 0.25 * h_);
   EdgeMeasurement m = measure_edge(profiles, geometry_->graph,
                                    {h_, edge_window_, state_.reading.ridge, state_.reading.sign > 0.0 ? 1 : -1});
-  if (step < 2) {
+  if (step < 2.0 * delay_) {
     curvature_ = sum_of_curvatures(geometry_->layout, g.samples.x, g.samples.normal);
     average_over_mesh(geometry_->graph, 8, curvature_);
     state_.blur_mm = m.blur > 0.0 ? m.blur : 1.1 * h_;
@@ -258,13 +280,17 @@ NamedRows StageRun::crossing_rows(const StepGeometry& g) {
   return {"crossing", offset_rows(g.samples.x, g.samples.normal, g.area, targets, weight_of(stage_, "crossing"))};
 }
 
-std::vector<NamedRows> StageRun::image_rows(const StepGeometry& g, int step) {
+std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
   std::vector<NamedRows> rows;
   const bool scalar_region = stage_.solver == Solver::gradient;
   if (weight_of(stage_, "region") > 0.0 && !scalar_region) rows.push_back(region_rows(g, step));
   if (scalar_region && !state_.reading.ridge && !state_.reading.similarity) reestimate_levels(g);
   if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
+  if (weight_of(stage_, "springs") > 0.0 && !context_.settings.points.points.empty()) {
+    rows.push_back(
+        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight_of(stage_, "springs"), h_, points_));
+  }
   if (weight_of(stage_, "spacing") > 0.0) {
     rows.push_back({"spacing", spacing_rows(geometry_->layout, g.samples.x, g.samples.normal, g.area,
                                             weight_of(stage_, "spacing"), geometry_->coarse)});
@@ -291,6 +317,21 @@ bool StageRun::healthy(const StepGeometry& g) {
   return true;
 }
 
+// The same without what the motion adds.
+std::map<std::string, double> energies_of_surface(const StepProblem& problem, const std::vector<Vec3>& x) {
+  std::map<std::string, double> energies = energies_at(problem, x);
+  energies.erase("motion");
+  return energies;
+}
+
+double mean_normal_move(const StepGeometry& from, const StepGeometry& to) {
+  double move = 0.0;
+  for (std::size_t i = 0; i < from.area.size(); ++i) {
+    move += from.area[i] / from.total_area * std::abs(from.samples.normal[i].dot(to.samples.x[i] - from.samples.x[i]));
+  }
+  return move;
+}
+
 StageSummary StageRun::run() {
   const auto begin = std::chrono::steady_clock::now();
   prepare();
@@ -301,29 +342,32 @@ StageSummary StageRun::run() {
   summary.degrees_of_freedom = degrees_of_freedom(state_.surface.model);
   summary.samples = geometry_->layout.sample_count();
   summary.reason = "step limit";
-  const int max_steps = context_.settings.max_iterations.value_or(stage_.max_steps);
-  const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
   StepGeometry g = geometry_at(state_, *geometry_);
+  add_operators(g);
+  const int max_steps =
+      context_.settings.max_iterations.value_or(static_cast<int>(std::ceil(delay_ * stage_.max_steps)));
+  const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
   double trust_radius = 1e3;
   StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}, linear_ ? &*linear_ : nullptr};
+  std::vector<Vec3> before = g.samples.x;  // a time step ago; every stage starts at rest
+  int resting = 0;
+  keep_frame(0, false);
   for (int step = 0; step < max_steps; ++step) {
     check_interrupt();
     image_->cover(g.samples.x);
-    problem.rows = image_rows(g, step);
+    problem.rows = rows_at(g, step);
     problem.scalars =
         scalar_energies({stage_, context_.settings, state_, *geometry_, image_->image(), h_, g.total_area, g.volume});
-    if (step == 0) summary.energy_before = energies_at(problem, g.samples.x);
+    if (step == 0) summary.energy_before = energies_of_surface(problem, g.samples.x);
     const bool gradient = stage_.solver == Solver::gradient || !problem.scalars.empty();
+    if (stage_.solver == Solver::dynamic) aim_motion(stage_.motion, g.samples.x, before, operators_.back());
     const StepOutcome outcome =
         solve_step(problem, stage_.solver, gradient ? 60 : 8, trust_radius, state_.surface.parameters);
     summary.solver_iterations += outcome.iterations;
     ++summary.steps;
     const StepGeometry next = geometry_at(state_, *geometry_);
-    double move = 0.0;
-    for (std::size_t i = 0; i < g.area.size(); ++i) {
-      move += g.area[i] / g.total_area * std::abs(g.samples.normal[i].dot(next.samples.x[i] - g.samples.x[i]));
-    }
-    summary.last_move_mm = move;
+    const double move = summary.last_move_mm = mean_normal_move(g, next);
+    before = std::move(g.samples.x);
     g = next;
     if (!outcome.usable || !healthy(g)) {
       if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no way on: " + outcome.message);
@@ -332,13 +376,18 @@ StageSummary StageRun::run() {
     }
     const bool arrived = weight_of(stage_, "region") == 0.0 || stage_.solver == Solver::gradient || reach_ <= 6.0 * h_;
     const bool settled = weight_of(stage_, "edge") == 0.0 || step >= 3;
-    if (outcome.moved && move < tolerance && arrived && settled) {
+    // What moves with delay has further to go than it just went; what swings stands still where it turns.
+    resting = outcome.moved && delay_ * move < tolerance ? resting + 1 : 0;
+    const bool at_rest = resting >= (stage_.solver == Solver::dynamic ? 2 : 1) && arrived && settled;
+    keep_frame(step + 1, at_rest || step + 1 == max_steps);
+    if (at_rest) {
       summary.reason = "converged";
       break;
     }
   }
-  summary.energy_after = energies_at(problem, g.samples.x);
+  summary.energy_after = energies_of_surface(problem, g.samples.x);
   summary.rms_residual_mm = rms_;
+  state_.error = std::max(rms_, points_.count > 0 ? points_.rms_mm : -1.0);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return summary;
 }

@@ -45,6 +45,8 @@ struct FitState {
   bool hold_out = false;              ///< leave every fourth sample out of the edge energy, and measure there
   double residual_correlation = 1.0;  ///< of the edge offsets of neighbouring samples: near 0 when only noise is left
   double held_out_rms = -1.0;         ///< mm, of the samples left out, after the last edge stage that did so
+  double error = -1.0;  ///< mm, after the last stage: rms of the edge offsets or, if larger, of the expert points
+  std::vector<TraceFrame> trace = {};
 };
 
 /// Values that hold for all stages of a fit.

@@ -49,7 +49,8 @@ template <>
 const Names<Solver>& names() {
   static const Names<Solver> all{{Solver::least_squares, "least-squares"},
                                  {Solver::levenberg_marquardt, "levenberg-marquardt"},
-                                 {Solver::gradient, "gradient"}};
+                                 {Solver::gradient, "gradient"},
+                                 {Solver::dynamic, "dynamic"}};
   return all;
 }
 template <>

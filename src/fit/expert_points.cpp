@@ -1,0 +1,110 @@
+#include "pellicle/fit/expert_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/energies/profiles.h"
+#include "pellicle/energies/springs.h"
+#include "pellicle/fit/stage.h"
+#include "pellicle/mesh/distance.h"
+
+namespace pellicle {
+
+namespace {
+
+constexpr std::size_t kEnough = 12;
+
+double weight_at(const ExpertPoints& points, std::size_t k) {
+  return points.weights.empty() ? 1.0 : points.weights[k];
+}
+
+PointDistances summary_of(const ExpertPoints& points, const std::vector<double>& distances) {
+  PointDistances out;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < distances.size(); ++k) {
+    if (!(weight_at(points, k) > 0.0)) continue;
+    ++out.count;
+    squares += distances[k] * distances[k];
+    out.max_mm = std::max(out.max_mm, distances[k]);
+  }
+  if (out.count > 0) out.rms_mm = std::sqrt(squares / static_cast<double>(out.count));
+  return out;
+}
+
+}  // namespace
+
+NamedRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
+                      double weight, double h, PointDistances& distances) {
+  const std::vector<Attachment> attachments = attach(points.points, layout, samples);
+  std::vector<double> size, weights;
+  size.reserve(attachments.size());
+  for (const Attachment& a : attachments) size.push_back(a.distance);
+  distances = summary_of(points, size);
+  const double c = std::max(2.0 * h, 3.0 * 1.4826 * median_of(size));
+  double total = 0.0;
+  weights.reserve(size.size());
+  for (std::size_t k = 0; k < size.size(); ++k) {
+    const double w = weight_at(points, k);
+    total += w;
+    weights.push_back(size[k] > c ? w * c / size[k] : w);
+  }
+  return {"springs", spring_rows(layout, points.points, attachments, weights, total, points.held ? 1.0 : 0.0, weight)};
+}
+
+PointDistances distances_to(const ExpertPoints& points, const Surface& surface, double h) {
+  const ClosestPoint nearest(tessellate(surface, std::max(3, tessellation_level(surface, 0.5 * h))));
+  std::vector<double> distances;
+  distances.reserve(points.points.size());
+  for (const Vec3& y : points.points) distances.push_back(nearest.query(y).distance);
+  return summary_of(points, distances);
+}
+
+std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& choice, double h) {
+  std::size_t count = 0;
+  double total = 0.0;
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t k = 0; k < points.points.size(); ++k) {
+    const double w = weight_at(points, k);
+    count += w > 0.0 ? 1 : 0;
+    total += w;
+    mean += w * points.points[k];
+  }
+  if (count < kEnough) return std::nullopt;
+  mean /= total;
+  Mat3 moments = Mat3::Zero();
+  for (std::size_t k = 0; k < points.points.size(); ++k) {
+    const Vec3 r = points.points[k] - mean;
+    moments += weight_at(points, k) / total * r * r.transpose();
+  }
+  // On an ellipsoid with half axes a, the image of the evenly covered unit sphere, the moments are a^2/3.
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(3.0 * moments);
+  const Vec3 half_axes = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (!(half_axes[0] > std::max(h, 0.05 * half_axes[2]))) return std::nullopt;
+  const SurfaceModel model = start_model(choice);
+  const Mat3 shape = axes.eigenvectors() * half_axes.asDiagonal() * axes.eigenvectors().transpose();
+  return Surface{model, on_ellipsoid(model, mean, shape)};
+}
+
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail) {
+  FitSettings settings;
+  settings.points = points;
+  GeometryCache geometry;
+  const StageContext context{image, settings, geometry};
+  FitState state{.surface = start, .detail = refinements_of(start.model), .reading = {}, .levels = {}, .reason = {}};
+  const double bending[] = {2e-3, 1e-3, 2e-4};
+  for (int d = 0; d <= std::min(detail, 2); ++d) {
+    if (d < std::min({state.detail, detail, 2})) continue;
+    const Stage stage{.name = "points",
+                      .detail = d,
+                      .energies = {{"springs", 1.0}, {"bending", bending[d]}, {"spacing", 0.05}},
+                      .smoothing = 0.0,
+                      .max_steps = 15,
+                      .tolerance = 0.02};
+    const Surface before = state.surface;
+    run_stage(context, stage, state);
+    if (state.status != FitStatus::ok) return before;
+  }
+  return state.surface;
+}
+
+}  // namespace pellicle

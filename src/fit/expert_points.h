@@ -1,0 +1,28 @@
+#pragma once
+/// Expert points in a fit: springs to the nearest place of the surface, and a start from points alone.
+
+#include <optional>
+
+#include "pellicle/fit/fit.h"
+#include "pellicle/fit/objective.h"
+
+namespace pellicle {
+
+/// Springs (energies/springs.h) to the places that are nearest now. Weights are Huber's: full up to c, c/distance
+/// beyond it, c the larger of 2 h and three robust deviations, so that a stray point pulls no harder the further off it
+/// is. (Weights that fall to nothing would lose the points where the image leads the surface astray.) \param h of the
+/// working image, mm. \param distances on return, of the present surface.
+NamedRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
+                      double weight, double h, PointDistances& distances);
+
+/// Of points with a weight to the surface as a fine mesh.
+PointDistances distances_to(const ExpertPoints& points, const Surface& surface, double h);
+
+/// The ellipsoid with the points' second moments (of points spread over an ellipsoid: that one), when there are twelve
+/// or more and they do not lie near a plane: enough to say where the object is all around.
+std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& model, double h);
+
+/// `start` drawn to the points alone, with `detail` refinements at most; `start` itself where that fails.
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail);
+
+}  // namespace pellicle
