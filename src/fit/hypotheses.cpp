@@ -197,7 +197,7 @@ std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& se
                                        const std::string& prefix) {
   const auto* surface = std::get_if<Surface>(&seed);
   const bool free_start = settings.start_rule == StartRule::automatic && settings.stages.empty();
-  if (free_start && !settings.points.points.empty()) {
+  if (free_start && with_overrides({}, settings).energies["springs"] > 0.0) {
     const double h = image.grid.mean_spacing();
     const std::optional<Surface> start =
         surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);

@@ -10,7 +10,7 @@
 namespace pellicle {
 
 struct PlannedFile {
-  std::string kind;  ///< "mask", "labels" (the .tsv), "mesh", "model", "sdf", "prob", "qc", "report"
+  std::string kind;  ///< "mask", "labels" (the .tsv), "mesh", "model", "sdf", "prob", "qc", "report"; "trace"
   int label = 0;     ///< of the object for per-object files of a run with several; 0 otherwise
   std::filesystem::path path;
 };

@@ -68,6 +68,10 @@ json fit_json(const FitSummary& fit) {
                      {"noise", number(fit.evidence.noise)},
                      {"weak_share", number(fit.evidence.weak_share)},
                      {"outside_share", number(fit.evidence.outside_share)}};
+  if (fit.points) {
+    out["points"] = {
+        {"count", fit.points->count}, {"rms_mm", number(fit.points->rms_mm)}, {"max_mm", number(fit.points->max_mm)}};
+  }
   out["margin"] = fit.margin < 0.0 ? json(nullptr) : number(fit.margin);
   out["stages"] = stages;
   out["hypotheses"] = hypotheses;

@@ -8,7 +8,9 @@
 #include <set>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/fit.h"
+#include "pellicle/mesh/point_file.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle {
@@ -99,6 +101,25 @@ std::vector<SeedRow> read_seed_table(const fs::path& path) {
   return rows;
 }
 
+ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid& grid) {
+  PointCloud cloud = read_points(*settings.points);
+  ExpertPoints points{.points = std::move(cloud.points),
+                      .weights = std::move(cloud.weights),
+                      .held = settings.points_pull == PointsPull::point};
+  bool inside = false;
+  for (Vec3& x : points.points) {
+    x = world_from_coords(x, settings.coords, grid);
+    inside = inside || grid.contains(x);
+  }
+  if (!inside) {
+    throw BadData(
+        fmt::format("points outside the volume (--points {}): none of the {} lies in it; check --coords and "
+                    "see the extent with 'pellicle info'",
+                    settings.points->string(), points.points.size()));
+  }
+  return points;
+}
+
 void check_seed_files(const SegmentSettings& settings) {
   const auto need = [](const std::string& flag, const fs::path& path) {
     std::error_code ignored;
@@ -108,6 +129,7 @@ void check_seed_files(const SegmentSettings& settings) {
   };
   if (settings.seeds_file) need("seeds", *settings.seeds_file);
   if (settings.seed_model) need("seed-model", *settings.seed_model);
+  if (settings.points) need("points", *settings.points);
   if (settings.seed_mask) need("seed-mask", parse_mask_argument(*settings.seed_mask).file);
 }
 
@@ -182,8 +204,24 @@ std::vector<ObjectSeed> seeds_from_mask(const SegmentSettings& settings) {
   return objects;
 }
 
+// Points all around the object say where it is; a few say where it ends.
+std::optional<SeedSphere> ball_of_points(const ExpertPoints& points, double h) {
+  if (!ellipsoid_of(points, {}, h)) return std::nullopt;
+  SeedSphere ball;
+  const auto count = static_cast<double>(points.points.size());
+  for (const Vec3& x : points.points) ball.center += x / count;
+  for (const Vec3& x : points.points) ball.radius += 0.5 * (x - ball.center).norm() / count;
+  return ball;
+}
+
 std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image<float>& image) {
   ObjectSeed object;
+  if (!settings.seed_auto && settings.fit.start_rule != StartRule::head) {
+    if (const auto ball = ball_of_points(settings.fit.points, image.grid.mean_spacing())) {
+      object.candidates = {*ball};
+      return {object};
+    }
+  }
   if (settings.fit.start_rule == StartRule::head) {
     object.candidates = {find_head(image)};
   } else {
@@ -208,6 +246,12 @@ std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageG
     objects = {{1, "", {read_model(*settings.seed_model)}}};
   } else {
     objects = seeds_found(settings, image);
+  }
+  if (objects.size() > 1 && settings.points) {
+    throw UsageError(
+        fmt::format("expert points of which object (--points {}): there are {} objects; fit the one that "
+                    "they belong to alone",
+                    settings.points->string(), objects.size()));
   }
   std::set<int> labels;
   for (auto& object : objects) {

@@ -36,7 +36,10 @@ struct SeedRow {
 };
 std::vector<SeedRow> read_seed_table(const std::filesystem::path& path);
 
-/// Existence of every file that the seeds name. \throws NoInput.
+/// The file of --points in LPS mm. \throws NoInput, BadData (no point in the volume, file contents).
+ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid& grid);
+
+/// Existence of every file that the seeds and --points name. \throws NoInput.
 void check_seed_files(const SegmentSettings& settings);
 
 /// \throws NoInput, BadData (file contents), UsageError (a sphere outside the volume, labels given twice).

@@ -18,6 +18,7 @@
 #include "pellicle/pipeline/qc_picture.h"
 #include "pellicle/pipeline/report.h"
 #include "pellicle/pipeline/seeding.h"
+#include "pellicle/pipeline/trace.h"
 #include "pellicle/pipeline/voxels.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/surface/model_file.h"
@@ -159,6 +160,7 @@ std::vector<fs::path> input_paths(const SegmentSettings& settings) {
   if (settings.seeds_file) paths.push_back(*settings.seeds_file);
   if (settings.seed_mask) paths.push_back(parse_mask_argument(*settings.seed_mask).file);
   if (settings.seed_model) paths.push_back(*settings.seed_model);
+  if (settings.points) paths.push_back(*settings.points);
   return paths;
 }
 
@@ -169,6 +171,21 @@ std::vector<PlannedFile> checked_plan(const SegmentSettings& settings, const std
   for (const auto& file : plan) paths.push_back(file.path);
   check_outputs(paths, settings.overwrite, input_paths(settings));
   return plan;
+}
+
+TraceFiles trace_files(const SegmentSettings& settings) {
+  return {*settings.trace, stem_of(settings), settings.mesh_format, settings.mesh_density};
+}
+
+std::vector<PlannedFile> write_traces(const SegmentResult& result) {
+  const TraceFiles files = trace_files(result.settings);
+  clear_trace(files);
+  std::vector<PlannedFile> written;
+  for (const auto& object : result.objects) {
+    const int label = result.objects.size() > 1 ? object.label : 0;
+    for (const auto& path : write_trace(files, object.trace, label)) written.push_back({"trace", label, path});
+  }
+  return written;
 }
 
 // Before any work: the labels as far as they are known without reading images.
@@ -188,6 +205,7 @@ void check_early(const SegmentSettings& settings) {
   }
   if (labels.empty()) labels.push_back(1);
   checked_plan(settings, labels);
+  if (settings.trace) check_trace(trace_files(settings), settings.overwrite);
 }
 
 using Hash = std::future<std::string>;
@@ -203,6 +221,7 @@ void collect_hashes(const SegmentSettings& settings, std::vector<Hash>& hashes, 
   if (settings.seeds_file) roles.emplace_back("seeds");
   if (settings.seed_mask) roles.emplace_back("seed-mask");
   if (settings.seed_model) roles.emplace_back("seed-model");
+  if (settings.points) roles.emplace_back("points");
   const auto paths = input_paths(settings);
   for (std::size_t i = 0; i < paths.size(); ++i) result.inputs.push_back({roles[i], paths[i], hashes[i].get()});
 }
@@ -242,7 +261,8 @@ void fit_objects(const std::vector<ObjectSeed>& seeds, const Image<float>& image
     ObjectResult object{.label = seeds[i].label,
                         .name = seeds[i].name,
                         .surface = std::move(fit.surface),
-                        .fit = std::move(fit.summary)};
+                        .fit = std::move(fit.summary),
+                        .trace = std::move(fit.trace)};
     clock.stop();
     object.seconds = clock.seconds().front().second;
     if (context.inform) {
@@ -286,11 +306,13 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   Volume volume = read_input(settings, context, result);
   clock.start("seed");
   tell(0.08, "seeding");
-  const auto seeds = make_seeds(settings, result.header.grid, volume.image);
+  if (settings.points) result.settings.fit.points = read_expert_points(settings, result.header.grid);
+  result.settings.fit.trace_every = settings.trace ? settings.trace_every : 0;
+  const auto seeds = make_seeds(result.settings, result.header.grid, volume.image);
   std::vector<int> labels;
   labels.reserve(seeds.size());
   for (const auto& seed : seeds) labels.push_back(seed.label);
-  const auto plan = checked_plan(settings, labels);
+  auto plan = checked_plan(settings, labels);
 
   clock.start("fit");
   tell(0.1, "fitting");
@@ -312,6 +334,10 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   create_folder(settings.output);
   write_maps(result, plan, maps);
   write_objects(result, plan);
+  if (settings.trace) {
+    const auto written = write_traces(result);
+    plan.insert(plan.end(), written.begin(), written.end());
+  }
   if (settings.writes("qc")) {
     clock.start("picture");
     tell(0.95, "drawing");

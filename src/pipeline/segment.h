@@ -27,7 +27,8 @@ struct ObjectResult {
   std::string name;
   Surface surface;
   FitSummary fit = {};
-  TriangleMesh mesh = {};  ///< as written: closed, outward, LPS mm
+  std::vector<TraceFrame> trace = {};  ///< when --trace asks for it
+  TriangleMesh mesh = {};              ///< as written: closed, outward, LPS mm
   int mesh_level = 0;
   MeshTopology topology = {};
   std::size_t self_intersections = 0;
@@ -51,7 +52,7 @@ struct OutputFile {
 };
 
 struct InputFile {
-  std::string role;  ///< "volume", "seeds", "seed-mask", "seed-model"
+  std::string role;  ///< "volume", "seeds", "seed-mask", "seed-model", "points"
   std::filesystem::path path;
   std::string sha256;
 };

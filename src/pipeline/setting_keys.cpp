@@ -71,6 +71,17 @@ SettingKey enum_key(const Label& label, F field) {
   return key;
 }
 
+// An enumeration that need not be set.
+template <class F>
+SettingKey optional_enum_key(const Label& label, F field) {
+  SettingKey key = key_from(label, SettingKind::text);
+  key.set = [field](SegmentSettings& s, const Values& v, const std::string& where) {
+    field(s) = value_of<typename std::decay_t<decltype(field(s))>::value_type>(v.at(0), where);
+  };
+  key.get = [field](const SegmentSettings& s) { return field(s) ? Values{name_of(*field(s))} : Values{}; };
+  return key;
+}
+
 // int, double, and optionals of them.
 template <class F>
 SettingKey number_key(const Label& label, F field) {
@@ -193,6 +204,26 @@ void add_input_and_seed(std::vector<SettingKey>& keys) {
                           FIELD(coords)));
 }
 
+void add_solver(std::vector<SettingKey>& keys) {
+  keys.push_back(
+      number_key({"Energies", "max-iterations", "N", "steps of each stage at most"}, FIELD(fit.max_iterations)));
+  keys.push_back(
+      number_key({"Energies", "tolerance", "T", "a stage ends when the mean move of a step falls below T voxels"},
+                 FIELD(fit.tolerance)));
+  keys.push_back(optional_enum_key({"Energies", "solver", "least-squares|levenberg-marquardt|gradient|dynamic",
+                                    "how every stage is solved; dynamic: a moving surface with mass and damping; "
+                                    "default by stage (least-squares)"},
+                                   FIELD(fit.solver)));
+  keys.push_back(number_key({"Energies", "time-step", "T", "of --solver dynamic; default 1"}, FIELD(fit.time_step)));
+  keys.push_back(
+      number_key({"Energies", "mass", "M", "of --solver dynamic; 0: no inertia; default 0.1"}, FIELD(fit.mass)));
+  keys.push_back(number_key({"Energies", "damping", "D", "of --solver dynamic; default 1"}, FIELD(fit.damping)));
+  keys.push_back(number_key({"Energies", "error-target", "MM",
+                             "refine until the rms distance to the edges (and to --points) is so small, and no "
+                             "further; by default the fit decides"},
+                            FIELD(fit.error_target_mm)));
+}
+
 void add_model_and_energies(std::vector<SettingKey>& keys) {
   keys.push_back(enum_key({"Model", "model", "normal|spline|spline-torus|catmull-clark|slime",
                            "surface model; spline: exponential-spline sphere"},
@@ -225,13 +256,15 @@ void add_model_and_energies(std::vector<SettingKey>& keys) {
   keys.push_back(
       flag_key({"Energies", "similarity", "", "also try 'alike the seed' when the grey levels are uncertain"},
                FIELD(fit.similarity)));
-  keys.push_back(
-      path_key({"Energies", "points", "FILE", "expert points: .csv x,y,z[,weight], .ply, .xyz"}, FIELD(points)));
-  keys.push_back(
-      number_key({"Energies", "max-iterations", "N", "steps of each stage at most"}, FIELD(fit.max_iterations)));
-  keys.push_back(
-      number_key({"Energies", "tolerance", "T", "a stage ends when the mean move of a step falls below T voxels"},
-                 FIELD(fit.tolerance)));
+  keys.push_back(path_key({"Energies", "points", "FILE",
+                           "expert points, in the frame of --coords: .csv x,y,z[,weight], .ply, .xyz; the surface is "
+                           "pulled to them"},
+                          FIELD(points)));
+  keys.push_back(enum_key({"Energies", "points-pull", "normal|point",
+                           "the surface along its normal to where a point lies (it may slide), or its nearest place "
+                           "to the point itself"},
+                          FIELD(points_pull)));
+  add_solver(keys);
 }
 
 void add_outputs_and_run(std::vector<SettingKey>& keys) {
@@ -243,6 +276,11 @@ void add_outputs_and_run(std::vector<SettingKey>& keys) {
   keys.push_back(number_key(
       {"Outputs", "mesh-density", "N", "2^N facets along a control edge; default: facets of about half a voxel"},
       FIELD(mesh_density)));
+  keys.push_back(path_key({"Outputs", "trace", "DIR",
+                           "also write the surface every few steps of the fit and a picture of all of them there"},
+                          FIELD(trace)));
+  keys.push_back(
+      number_key({"Outputs", "trace-every", "N", "steps between two meshes of --trace"}, FIELD(trace_every)));
   keys.push_back(flag_key({"Outputs", "overwrite", "", "replace files that exist"}, FIELD(overwrite)));
   keys.push_back(number_key({"Run", "threads", "N", "threads; 0: all. The results are the same bytes for every N"},
                             FIELD(threads)));

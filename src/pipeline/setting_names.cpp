@@ -27,6 +27,11 @@ const Names<Objects>& names() {
   return all;
 }
 template <>
+const Names<PointsPull>& names() {
+  static const Names<PointsPull> all{{PointsPull::normal, "normal"}, {PointsPull::point, "point"}};
+  return all;
+}
+template <>
 const Names<Polarity>& names() {
   static const Names<Polarity> all{
       {Polarity::automatic, "auto"}, {Polarity::bright, "bright"}, {Polarity::dark, "dark"}};
@@ -104,6 +109,9 @@ std::string name_of(Coords value) {
 std::string name_of(Objects value) {
   return find_name(value);
 }
+std::string name_of(PointsPull value) {
+  return find_name(value);
+}
 std::string name_of(Polarity value) {
   return find_name(value);
 }
@@ -143,6 +151,7 @@ template Objects value_of(const std::string&, const std::string&);
 template Polarity value_of(const std::string&, const std::string&);
 template Boundary value_of(const std::string&, const std::string&);
 template StartRule value_of(const std::string&, const std::string&);
+template PointsPull value_of(const std::string&, const std::string&);
 template Solver value_of(const std::string&, const std::string&);
 template SubdivisionRule value_of(const std::string&, const std::string&);
 template StartSolid value_of(const std::string&, const std::string&);

@@ -40,8 +40,11 @@ void validate_seeds(const SegmentSettings& s) {
   }
 }
 
-void validate_later_features(const SegmentSettings& s) {
-  if (s.points) refuse("points", s.points->string(), "expert points are not available yet; leave the flag out");
+// Files are read later: until then a point stands for those that will be there.
+void validate_fit(const SegmentSettings& s) {
+  FitSettings fit = s.fit;
+  if (s.points && fit.points.points.empty()) fit.points.points = {Vec3::Zero()};
+  fit.validate();
 }
 
 void validate_outputs(const SegmentSettings& s) {
@@ -56,6 +59,8 @@ void validate_outputs(const SegmentSettings& s) {
   if (s.mesh_density && (*s.mesh_density < 0 || *s.mesh_density > 7)) {
     refuse("mesh-density", fmt::format("{}", *s.mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
   }
+  if (s.trace && s.trace->empty()) refuse("trace", "", "name a folder");
+  if (s.trace_every < 1) refuse("trace-every", fmt::format("{}", s.trace_every), "must be 1 or more");
   if (s.name.find('/') != std::string::npos || s.name == "." || s.name == "..") {
     refuse("name", s.name, "must be a file stem without folders; use -o for the folder");
   }
@@ -75,9 +80,8 @@ void SegmentSettings::validate_values() const {
     refuse("spacing", fmt::format("{},{},{}", (*spacing)[0], (*spacing)[1], (*spacing)[2]), "must be above 0 mm");
   }
   validate_seeds(*this);
-  validate_later_features(*this);
   validate_outputs(*this);
-  fit.validate();
+  validate_fit(*this);
 }
 
 std::string stem_of(const SegmentSettings& settings) {

@@ -17,6 +17,8 @@ namespace pellicle {
 /// Frame of the coordinates that a user types: LPS mm, RAS mm, or 0-based voxel indices (radii stay in mm).
 enum class Coords { lps, ras, ijk };
 enum class Objects { one, many };
+/// Where expert points pull: the surface along its normal only (they may slide), or the nearest place as a whole.
+enum class PointsPull { normal, point };
 
 struct SegmentSettings {
   std::filesystem::path input, output;
@@ -30,7 +32,10 @@ struct SegmentSettings {
   Coords coords = Coords::lps;
   std::optional<Vec3> spacing;                  ///< mm, instead of the file's
   std::string preset;                           ///< as named by the user; its values are already in the rest
-  std::optional<std::filesystem::path> points;  ///< expert points
+  std::optional<std::filesystem::path> points;  ///< expert points, in `coords`
+  PointsPull points_pull = PointsPull::normal;
+  std::optional<std::filesystem::path> trace;  ///< folder for the meshes on the way
+  int trace_every = 3;                         ///< steps
   FitSettings fit;
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
@@ -80,6 +85,7 @@ const std::vector<SettingKey>& segment_keys();
 /// Words of the enumerations, as typed: "bright", "ridge", ...
 std::string name_of(Coords value);
 std::string name_of(Objects value);
+std::string name_of(PointsPull value);
 std::string name_of(Polarity value);
 std::string name_of(Boundary value);
 std::string name_of(StartRule value);

@@ -107,6 +107,12 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.tolerance = number_of(scalar_text(node, where), where);
     } else if (name == "solver") {
       stage.solver = value_of<Solver>(scalar_text(node, where), where);
+    } else if (name == "time_step") {
+      stage.motion.time_step = number_of(scalar_text(node, where), where);
+    } else if (name == "mass") {
+      stage.motion.mass = number_of(scalar_text(node, where), where);
+    } else if (name == "damping") {
+      stage.motion.damping = number_of(scalar_text(node, where), where);
     } else if (name == "energies" && node.is_table()) {
       for (const auto& [energy, weight] : *node.as_table()) {
         stage.energies[std::string(energy.str())] = number_of(scalar_text(weight, where), where);
@@ -114,7 +120,7 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
     } else {
       throw UsageError(
           fmt::format("unknown setting ({}): a stage has name, detail, energies, resolution, smoothing, "
-                      "reach, max_steps, tolerance and solver",
+                      "reach, max_steps, tolerance, solver, time_step, mass and damping",
                       where));
     }
   }
@@ -264,6 +270,8 @@ std::string toml_of_stages(const std::vector<Stage>& stages) {
                         quoted(stage.name), stage.detail, stage.resolution, stage.smoothing, stage.reach);
     text += fmt::format("max_steps = {}\ntolerance = {}\nsolver = {}\n", stage.max_steps, stage.tolerance,
                         quoted(name_of(stage.solver)));
+    const Motion& motion = stage.motion;
+    text += fmt::format("time_step = {}\nmass = {}\ndamping = {}\n", motion.time_step, motion.mass, motion.damping);
     text += toml_table("stage.energies", stage.energies);
   }
   return text;
@@ -287,7 +295,10 @@ nlohmann::ordered_json json_of(const SegmentSettings& settings) {
                              {"reach", stage.reach},
                              {"max_steps", stage.max_steps},
                              {"tolerance", stage.tolerance},
-                             {"solver", name_of(stage.solver)}});
+                             {"solver", name_of(stage.solver)},
+                             {"time_step", stage.motion.time_step},
+                             {"mass", stage.motion.mass},
+                             {"damping", stage.motion.damping}});
   }
   return json;
 }
