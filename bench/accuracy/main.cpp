@@ -1,5 +1,6 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, orders,
-// torus, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME,
+// torus, handles, points, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR, --seeds
+// N, --shape NAME,
 // --model NAME (of the phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ TriangleMesh measuring_mesh(const Surface& surface, double h) {
 namespace {
 
 ModelKind kind_named(const std::string& name) {
-  for (const ModelKind kind : {ModelKind::normal, ModelKind::spline}) {
+  for (const ModelKind kind : {ModelKind::normal, ModelKind::spline, ModelKind::catmull_clark, ModelKind::slime}) {
     if (model_name(start_model({.kind = kind})) == name) return kind;
   }
   throw std::runtime_error("unknown model " + name);
@@ -65,6 +66,8 @@ int main(int argc, char** argv) try {
       {"sphere", clean_sphere_table},
       {"phantoms", phantom_table},
       {"torus", torus_table},
+      {"handles", handle_table},
+      {"points", points_table},
       {"power", power_table},
       {"brain", brain_table},
       {"sarcoma", sarcoma_table},

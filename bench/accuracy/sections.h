@@ -20,6 +20,8 @@ struct Options {
 void phantom_table(const Options& options);
 void clean_sphere_table(const Options& options);
 void torus_table(const Options& options);
+void handle_table(const Options& options);
+void points_table(const Options& options);
 void power_table(const Options& options);
 void brain_table(const Options& options);
 void sarcoma_table(const Options& options);

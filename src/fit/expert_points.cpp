@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pellicle/base/random.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/measure.h"
 
 namespace pellicle {
 
@@ -33,22 +35,32 @@ PointDistances summary_of(const ExpertPoints& points, const std::vector<double>&
 
 }  // namespace
 
-NamedRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
-                      double weight, double h, PointDistances& distances) {
+ExpertRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
+                       double weight, double h, bool hold_out) {
   const std::vector<Attachment> attachments = attach(points.points, layout, samples);
   std::vector<double> size, weights;
   size.reserve(attachments.size());
   for (const Attachment& a : attachments) size.push_back(a.distance);
-  distances = summary_of(points, size);
+  ExpertRows out;
+  out.distances = summary_of(points, size);
   const double c = std::max(2.0 * h, 3.0 * 1.4826 * median_of(size));
-  double total = 0.0;
+  double total = 0.0, squares = 0.0, left_out = 0.0;
   weights.reserve(size.size());
   for (std::size_t k = 0; k < size.size(); ++k) {
-    const double w = weight_at(points, k);
-    total += w;
-    weights.push_back(size[k] > c ? w * c / size[k] : w);
+    const double w = weight_at(points, k), robust = size[k] > c ? w * c / size[k] : w;
+    if (hold_out && RandomEngine(k).next() % 4 == 0) {
+      squares += robust * size[k] * size[k];
+      left_out += w;
+      weights.push_back(0.0);
+    } else {
+      total += w;
+      weights.push_back(robust);
+    }
   }
-  return {"springs", spring_rows(layout, points.points, attachments, weights, total, points.held ? 1.0 : 0.0, weight)};
+  if (left_out > 0.0) out.held_out = squares / left_out;
+  out.rows = {"springs",
+              spring_rows(layout, points.points, attachments, weights, total, points.held ? 1.0 : 0.0, weight)};
+  return out;
 }
 
 PointDistances distances_to(const ExpertPoints& points, const Surface& surface, double h) {
@@ -83,6 +95,12 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
   const SurfaceModel model = start_model(choice);
   const Mat3 shape = axes.eigenvectors() * half_axes.asDiagonal() * axes.eigenvectors().transpose();
   return Surface{model, on_ellipsoid(model, mean, shape)};
+}
+
+std::shared_ptr<const Leash> leash_of(const Surface& drawn, const ExpertPoints& points, double h) {
+  const TriangleMesh mesh = tessellate(drawn, std::max(3, tessellation_level(drawn, h)));
+  const auto count = static_cast<double>(std::max<std::size_t>(1, points.points.size()));
+  return std::make_shared<const Leash>(mesh, std::max(3.0 * h, 0.5 * std::sqrt(area_of(mesh) / count)));
 }
 
 Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail) {

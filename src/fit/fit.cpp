@@ -135,9 +135,14 @@ void check_evidence(const Trial& trial, FitSummary& summary) {
   }
 }
 
-bool measures_edges(const Stage& stage) {
-  const auto at = stage.energies.find("edge");
-  return at != stage.energies.end() && at->second > 0.0;
+// Whether something can be left out of it and foretold: edges, or, where no stage has edges, expert points.
+bool measures(const Stage& stage, const std::vector<Stage>& stages) {
+  const auto uses = [](const Stage& s, const char* name) {
+    const auto at = s.energies.find(name);
+    return at != s.energies.end() && at->second > 0.0;
+  };
+  const bool edges = std::any_of(stages.begin(), stages.end(), [&](const Stage& s) { return uses(s, "edge"); });
+  return uses(stage, edges ? "edge" : "springs");
 }
 
 // The remaining stages of the chosen reading. Edge stages leave a quarter of the samples out; more control points, and
@@ -156,7 +161,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
     }
     trial.state.hold_out = true;
     trial.stages.push_back(run_stage(context, stages[s], trial.state));
-    if (!measures_edges(stages[s])) continue;
+    if (!measures(stages[s], stages)) continue;
     const bool failed = trial.state.status != FitStatus::ok;
     // Told how good is good enough, finer control meshes are taken until it is.
     const std::optional<double>& target = context.settings.error_target_mm;
@@ -233,7 +238,13 @@ double margin_of(const std::vector<Trial>& trials, std::size_t best) {
   return runner_up > 0.0 ? std::min(1e3, trials[best].credit / runner_up) : 1e3;
 }
 
-FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
+// Expert points all around and near the surface vouch for it where the image shows no edge.
+bool vouched_for(const Image<float>& image, const FitSettings& settings, const FitSummary& summary) {
+  const double h = image.grid.mean_spacing();
+  return summary.points && summary.points->rms_mm <= 2.0 * h && ellipsoid_of(settings.points, settings.model, h);
+}
+
+FitResult summarise(const StageContext& context, const std::vector<Trial>& trials, std::size_t best) {
   const Trial& chosen = trials[best];
   FitResult result{chosen.state.surface, {}, chosen.state.trace};
   FitSummary& summary = result.summary;
@@ -251,7 +262,19 @@ FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
   summary.polarity = reading.similarity ? Polarity::automatic : reading.sign > 0.0 ? Polarity::bright : Polarity::dark;
   summary.level_inside = chosen.state.levels.inside;
   summary.level_outside = chosen.state.levels.outside;
-  if (summary.status == FitStatus::ok) check_evidence(chosen, summary);
+  const ExpertPoints& points = context.settings.points;
+  if (!points.points.empty()) {
+    summary.points = distances_to(points, result.surface, context.image.grid.mean_spacing());
+  }
+  if (summary.status != FitStatus::ok) return result;
+  check_evidence(chosen, summary);
+  const bool weak = summary.status == FitStatus::no_contrast || summary.status == FitStatus::doubtful ||
+                    summary.status == FitStatus::ambiguous;
+  if (weak && vouched_for(context.image, context.settings, summary)) {
+    summary.status = FitStatus::ok;
+    summary.reason += fmt::format("; {} expert points vouch for it, {:.2f} mm off (rms)", summary.points->count,
+                                  summary.points->rms_mm);
+  }
   return result;
 }
 
@@ -298,11 +321,7 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
   refine_by_evidence(context, trials[best]);
   judge(context, trials[best]);
-  FitResult result = summarise(trials, best);
-  if (!settings.points.points.empty()) {
-    result.summary.points = distances_to(settings.points, result.surface, image.grid.mean_spacing());
-  }
-  return result;
+  return summarise(context, trials, best);
 }
 
 }  // namespace pellicle

@@ -203,7 +203,12 @@ std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& se
         surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);
     if (start) {
       const Surface drawn = drawn_to_points(image, *start, settings.points, settings.detail.value_or(2));
-      return surface_hypotheses(image, drawn, settings, prefix + "expert points, ");
+      std::vector<Hypothesis> list = surface_hypotheses(image, drawn, settings, prefix + "expert points, ");
+      // The points say where the object is: no wider search, and no other reading unless this one fails.
+      list.erase(list.begin() + 1, list.end());
+      list.front().certain = true;
+      list.front().start.leash = leash_of(drawn, settings.points, h);
+      return list;
     }
   }
   if (surface != nullptr) return surface_hypotheses(image, *surface, settings, prefix);

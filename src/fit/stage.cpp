@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "pellicle/base/interrupt.h"
+#include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/edge.h"
@@ -107,6 +108,7 @@ class StageRun {
     state_.reason = reason;
     return false;
   }
+  void keep_on_leash(const StepGeometry& g, NormalTargets& targets) const;
   void narrow_reach(const NormalTargets& targets);
   void hold_out_samples(const StepGeometry& g, NormalTargets& targets);
 
@@ -114,7 +116,8 @@ class StageRun {
   const Stage& stage_;
   FitState& state_;
   double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
-  double delay_ = 1.0;  ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
+  double delay_ = 1.0;           ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
+  double edge_held_out_ = -1.0;  ///< mm, rms of the edge offsets of samples left out
   PointDistances points_ = {};
   const StageGeometry* geometry_ = nullptr;
   std::vector<GroupedOperator> operators_;
@@ -210,6 +213,14 @@ void StageRun::reestimate_levels(const StepGeometry& g) {
   update_levels(profiles, here, geometry_->graph, h_, false, first_contrast_, state_.levels);
 }
 
+void StageRun::keep_on_leash(const StepGeometry& g, NormalTargets& targets) const {
+  parallel_for(targets.weight.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (state_.leash->outline.query(g.samples.x[i], state_.leash->length).triangle < 0) targets.weight[i] = 0.0;
+    }
+  });
+}
+
 NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
   const double extent = (state_.reading.ridge ? 8.25 : 4.25) * h_;
   edge_window_ = std::max(1.75, step == 0 ? 2.5 : std::pow(0.9, 1.0 / delay_) * edge_window_);
@@ -223,6 +234,7 @@ NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
     state_.blur_mm = m.blur > 0.0 ? m.blur : 1.1 * h_;
   }
   downweight_outliers(h_, m.targets);
+  if (state_.leash) keep_on_leash(g, m.targets);
   add_curvature_correction(curvature_, state_.blur_mm, h_, m.targets);
   hold_out_samples(g, m.targets);
   if (m.median_contrast > 0.0 && !state_.reading.similarity) {
@@ -256,7 +268,9 @@ void StageRun::hold_out_samples(const StepGeometry& g, NormalTargets& targets) {
     if (out) targets.weight[i] = 0.0;
   }
   rms_ = weights[0] > 0.0 ? std::sqrt(squares[0] / weights[0]) : -1.0;
-  if (state_.hold_out) state_.held_out_rms = weights[1] > 0.0 ? std::sqrt(squares[1] / weights[1]) : -1.0;
+  if (!state_.hold_out) return;
+  edge_held_out_ = weights[1] > 0.0 ? std::sqrt(squares[1] / weights[1]) : -1.0;
+  state_.held_out_rms = edge_held_out_;
 }
 
 NamedRows StageRun::crossing_rows(const StepGeometry& g) {
@@ -288,8 +302,15 @@ std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
   if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
   if (weight_of(stage_, "springs") > 0.0 && !context_.settings.points.points.empty()) {
-    rows.push_back(
-        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight_of(stage_, "springs"), h_, points_));
+    const double weight = weight_of(stage_, "springs");
+    ExpertRows springs =
+        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight, h_, state_.hold_out);
+    points_ = springs.distances;
+    if (springs.held_out >= 0.0) {
+      const double edges = edge_held_out_ >= 0.0 ? weight_of(stage_, "edge") * edge_held_out_ * edge_held_out_ : 0.0;
+      state_.held_out_rms = std::sqrt(edges + weight * springs.held_out);
+    }
+    rows.push_back(std::move(springs.rows));
   }
   if (weight_of(stage_, "spacing") > 0.0) {
     rows.push_back({"spacing", spacing_rows(geometry_->layout, g.samples.x, g.samples.normal, g.area,

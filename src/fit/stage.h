@@ -2,12 +2,14 @@
 /// Running one stage of a fit.
 
 #include <map>
+#include <memory>
 #include <tuple>
 
 #include "pellicle/energies/geometry.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/fit/objective.h"
 #include "pellicle/fit/reading.h"
+#include "pellicle/mesh/distance.h"
 
 namespace pellicle {
 
@@ -30,6 +32,13 @@ class GeometryCache {
   std::map<std::tuple<int, int, int>, StageGeometry> cache_;
 };
 
+/// Where the image may draw a surface that expert points outline: further off than this it has no say.
+struct Leash {
+  Leash(const TriangleMesh& mesh, double length_mm) : outline(mesh), length(length_mm) {}
+  ClosestPoint outline;
+  double length;  ///< mm
+};
+
 /// What one stage hands to the next.
 struct FitState {
   Surface surface;
@@ -42,10 +51,11 @@ struct FitState {
   std::string reason;
   double start_volume = 0.0;          ///< mm^3, of the seed
   bool all_samples = false;           ///< the last stage: as many samples as there are voxels along the surface
-  bool hold_out = false;              ///< leave every fourth sample out of the edge energy, and measure there
+  bool hold_out = false;              ///< leave every fourth sample (of edges) and expert point out, and measure there
   double residual_correlation = 1.0;  ///< of the edge offsets of neighbouring samples: near 0 when only noise is left
-  double held_out_rms = -1.0;         ///< mm, of the samples left out, after the last edge stage that did so
+  double held_out_rms = -1.0;  ///< mm, of what was left out, after the last stage that did so: root of the weighted sum
   double error = -1.0;  ///< mm, after the last stage: rms of the edge offsets or, if larger, of the expert points
+  std::shared_ptr<const Leash> leash = {};
   std::vector<TraceFrame> trace = {};
 };
 

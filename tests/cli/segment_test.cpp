@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pellicle/mesh/mesh_file.h"
 #include "run_program.h"
 
 namespace pellicle::test {
@@ -245,6 +246,88 @@ TEST_F(Segment, QuietSaysNothingAndVerboseJsonIsOneObjectALine) {
   EXPECT_GT(line_count(loud.err), 2);
   std::istringstream lines(loud.err);
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(json::parse(line).contains("message")) << line;
+}
+
+// Points of the truth's surface, in the frame asked for.
+void write_points(const fs::path& file, const TriangleMesh& mesh, double sign, int count) {
+  std::ofstream out(file);
+  out << "x,y,z,weight\n";
+  const std::size_t step = mesh.vertices.size() / static_cast<std::size_t>(count);
+  for (std::size_t v = 0; v < mesh.vertices.size(); v += step) {
+    const Vec3& x = mesh.vertices[v];
+    out << fmt::format("{},{},{},2\n", sign * x.x(), sign * x.y(), x.z());
+  }
+}
+
+TEST_F(Segment, ExpertPointsAreReadInTheirFrameAndReported) {
+  const Scratch scratch;
+  const TriangleMesh truth = read_mesh((*data_)("egg_truth.ply"));
+  write_points(scratch / "lps.csv", truth, 1.0, 60);
+  write_points(scratch / "ras.csv", truth, -1.0, 60);
+  for (const std::string frame : {"lps", "ras"}) {
+    const Outcome outcome = run(command(scratch, {"--points", scratch(frame + ".csv"), "--coords", frame, "--name",
+                                                  frame, "--detail", "1", "--write", "model,mask,report"}),
+                                scratch);
+    ASSERT_THAT(outcome.exit_code, testing::AnyOf(0, 3)) << outcome.err;
+    const json report = json::parse(read_text(scratch / ("out/" + frame + "_report.json")));
+    const json& points = report["objects"][0]["fit"]["points"];
+    EXPECT_GE(points["count"].get<int>(), 60);
+    EXPECT_LE(points["rms_mm"].get<double>(), 0.5);
+    EXPECT_GE(points["max_mm"].get<double>(), points["rms_mm"].get<double>());
+    EXPECT_EQ(report["inputs"].back()["role"], "points");
+    EXPECT_GE(report["settings"]["stage"][0]["energies"]["springs"].get<double>(), 1.0);
+    EXPECT_GE(dice(scratch, (*data_)("egg_truth.nii.gz"), scratch("out/" + frame + "_mask.nii.gz")), 0.95);
+  }
+  std::ofstream(scratch / "far.csv") << "900,900,900\n";
+  const Outcome outside = run(command(scratch, {"--points", scratch("far.csv"), "--name", "far"}), scratch);
+  EXPECT_EQ(outside.exit_code, 65);
+  EXPECT_THAT(outside.err, testing::HasSubstr("--coords"));
+  EXPECT_EQ(run(command(scratch, {"--points", scratch("none.csv")}), scratch).exit_code, 66);
+  EXPECT_EQ(run(command(scratch, {"--energy", "springs=1"}), scratch).exit_code, 64);
+}
+
+TEST_F(Segment, TraceIsWrittenBesideTheSameResult) {
+  const Scratch scratch;
+  const std::vector<std::string> base{"--seed-sphere", "1,-2,0.5,4", "--detail", "1", "--write", "mask,mesh,model"};
+  ASSERT_EQ(run(command(scratch, base), scratch).exit_code, 0);
+  std::vector<std::string> traced = base;
+  traced.insert(traced.end(), {"--name", "again", "--trace", scratch("trace"), "--trace-every", "2"});
+  ASSERT_EQ(run(command(scratch, traced), scratch).exit_code, 0);
+  for (const std::string file : {"_mask.nii.gz", "_surface.ply", "_model.json"}) {
+    EXPECT_EQ(read_text(scratch / ("out/egg" + file)), read_text(scratch / ("out/again" + file))) << file;
+  }
+  const std::set<std::string> files = files_in(scratch / "trace");
+  EXPECT_THAT(files, testing::IsSupersetOf({"again_trace-0001.ply", "again_trace.png", "again_trace.tsv"}));
+  EXPECT_EQ(line_count(read_text(scratch / "trace/again_trace.tsv")), static_cast<int>(files.size()) - 1);
+  for (const std::string& file : files) EXPECT_THAT(file, testing::StartsWith("again_trace"));
+  // The last one is the result.
+  const std::string last = *std::prev(std::find(files.begin(), files.end(), "again_trace.png"));
+  EXPECT_GE(dice(scratch, scratch("out/again_surface.ply"), scratch("trace/" + last)), 0.99);
+
+  EXPECT_EQ(
+      run(command(scratch, {"--name", "again", "--write", "report", "--trace", scratch("trace")}), scratch).exit_code,
+      73);
+  std::ofstream(scratch / "trace/again_trace-0999.ply") << "old";
+  std::ofstream(scratch / "trace/other.txt") << "mine";
+  traced.emplace_back("--overwrite");
+  ASSERT_EQ(run(command(scratch, traced), scratch).exit_code, 0);
+  std::set<std::string> expected = files;
+  expected.insert("other.txt");
+  EXPECT_EQ(files_in(scratch / "trace"), expected);
+}
+
+TEST_F(Segment, AMovingSurfaceComesToTheSamePlace) {
+  const Scratch scratch;
+  for (const std::string solver : {"least-squares", "dynamic"}) {
+    ASSERT_EQ(run(command(scratch, {"--seed-sphere", "1,-2,0.5,4", "--detail", "1", "--solver", solver, "--name",
+                                    solver, "--write", "mask,report"}),
+                  scratch)
+                  .exit_code,
+              0);
+  }
+  EXPECT_GE(dice(scratch, scratch("out/dynamic_mask.nii.gz"), scratch("out/least-squares_mask.nii.gz")), 0.98);
+  EXPECT_EQ(json::parse(read_text(scratch / "out/dynamic_report.json"))["settings"]["stage"][0]["solver"], "dynamic");
+  EXPECT_EQ(run(command(scratch, {"--mass", "1"}), scratch).exit_code, 64);
 }
 
 }  // namespace

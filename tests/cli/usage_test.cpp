@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
                                   {{"--coords", "xyz"}, 64, "lps, ras, ijk"},
                                   {{"--objects", "many"}, 64, "not available yet"},
                                   {{"--model", "clay"}, 64, "clay"},
-                                  {{"--points", "{DIR}/plain_file"}, 64, "--points"},
+                                  {{"--points", "{DIR}/plain_file"}, 65, "plain_file"},
                                   {{"--rule", "rough"}, 64, "smooth, published, balanced"},
                                   {{"--start", "cube"}, 64, "tetrahedron"},
                                   {{"--boundary", "soft"}, 64, "ridge"},

@@ -115,15 +115,15 @@ TEST(ExpertPoints, AStrayOnePullsNoHarderTheFurtherOffItIs) {
     }
     points.points.push_back((10.0 + off) * Vec3(1, 1, 1).normalized());
     points.held = held;
-    PointDistances distances;
-    const NamedRows rows = expert_rows(points, layout, samples, 1.0, 1.0, distances);
+    const ExpertRows step = expert_rows(points, layout, samples, 1.0, 1.0, false);
+    const ScalarRows& rows = step.rows.rows;
     double force = 0.0;  // of the last point: |residual| times the size of its row
-    for (std::size_t r = 0; r < rows.rows.size(); ++r) {
-      const double size = rows.rows.coefficient[static_cast<std::size_t>(rows.rows.start[r])].norm();
-      if (std::abs(rows.rows.residual(r, samples.x)) > 1e-3)
-        force = std::max(force, size * std::abs(rows.rows.residual(r, samples.x)));
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const double size = rows.coefficient[static_cast<std::size_t>(rows.start[r])].norm();
+      if (std::abs(rows.residual(r, samples.x)) > 1e-3)
+        force = std::max(force, size * std::abs(rows.residual(r, samples.x)));
     }
-    EXPECT_NEAR(distances.max_mm, off, 0.3);
+    EXPECT_NEAR(step.distances.max_mm, off, 0.3);
     return force;
   };
   EXPECT_NEAR(pull_at(20.0, false) / pull_at(10.0, false), 1.0, 0.05);

@@ -37,6 +37,15 @@ SegmentSettings random_settings(RandomEngine& random) {
   s.fit.target_volume_ml = 0.1 + 0.2;
   s.fit.similarity = false;
   s.fit.max_iterations = 7;
+  s.fit.solver = Solver::dynamic;
+  s.fit.time_step = std::abs(awkward(random));
+  s.fit.mass = std::abs(awkward(random));
+  s.fit.damping = 0.1 + 0.2;
+  s.fit.error_target_mm = 1.0 / 7.0;
+  s.points = "p.csv";
+  s.points_pull = PointsPull::point;
+  s.trace = "way";
+  s.trace_every = 11;
   s.fit.tolerance = std::abs(awkward(random));
   s.write = {"qc", "mask"};
   s.mesh_format = MeshFormat::vtp;
@@ -48,6 +57,7 @@ SegmentSettings random_settings(RandomEngine& random) {
   stage.energies = {{"bending", awkward(random)}};
   stage.resolution = std::abs(awkward(random));
   stage.solver = Solver::gradient;
+  stage.motion = {std::abs(awkward(random)), std::abs(awkward(random)), 1.0 / 3.0};
   s.fit.stages = {stage, Stage{}};
   return s;
 }
@@ -68,6 +78,11 @@ TEST(Settings, TomlRoundTripIsExact) {
     EXPECT_EQ(after.fit.stages[0].energies, before.fit.stages[0].energies);
     EXPECT_EQ(after.fit.stages[0].resolution, before.fit.stages[0].resolution);
     EXPECT_EQ(after.fit.stages[0].solver, Solver::gradient);
+    EXPECT_EQ(after.fit.stages[0].motion.mass, before.fit.stages[0].motion.mass);
+    EXPECT_EQ(after.fit.solver, Solver::dynamic);
+    EXPECT_EQ(after.fit.error_target_mm, before.fit.error_target_mm);
+    EXPECT_EQ(after.points_pull, PointsPull::point);
+    EXPECT_EQ(after.trace, before.trace);
     EXPECT_EQ(after.input, before.input);
     EXPECT_EQ(after.write, before.write);
     EXPECT_EQ(json_of(after).dump(), json_of(before).dump());
@@ -125,9 +140,14 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   good.input = "in.nii";
   good.output = "out";
   EXPECT_NO_THROW(good.validate());
+  good.points = "p.csv";
+  good.fit.energies["springs"] = 1.0;
+  EXPECT_NO_THROW(good.validate());
   refuses([](auto& s) { s.input.clear(); });
   refuses([](auto& s) { s.output.clear(); });
-  refuses([](auto& s) { s.points = "p.csv"; });
+  refuses([](auto& s) { s.trace_every = 0; });
+  refuses([](auto& s) { s.fit.mass = 1.0; });
+  refuses([](auto& s) { s.fit.energies["springs"] = 1.0; });
   refuses([](auto& s) { s.objects = Objects::many; });
   refuses([](auto& s) { s.write = {"picture"}; });
   refuses([](auto& s) { s.write = {}; });
