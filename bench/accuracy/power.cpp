@@ -106,7 +106,8 @@ void power_table(const Options&) {
         Mat3 turn;
         turn << Vec3::Unit((axis + 1) % 3), Vec3::Unit((axis + 2) % 3), Vec3::Unit(axis);
         const Surface start{model, affine_image(model, Vec3::Zero(), 0.35 * data.diameter * turn)};
-        const PointFit fit = fit_from(start, data, {.max_steps = 60, .smoothness = 1e-3, .improvement = 1e-3}, false);
+        PointFit fit = fit_from(start, data, {.max_steps = 60, .smoothness = 1e-3, .improvement = 1e-3}, false);
+        measure_fit(data, fit);
         const double a = fit.summary.to_surface.rms, b = fit.summary.to_data.rms;
         best = std::min(best, 100.0 * std::sqrt(0.5 * (a * a + b * b)) / data.diameter);
       }

@@ -118,7 +118,7 @@ Surface drawn_to_points(const Image<float>& image, const Surface& start, const E
                       .smoothing = 0.0,
                       .max_steps = 15,
                       .tolerance = 0.02};
-    const Surface before = state.surface;
+    Surface before = state.surface;
     run_stage(context, stage, state);
     if (state.status != FitStatus::ok) return before;
   }
