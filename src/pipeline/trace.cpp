@@ -69,7 +69,7 @@ std::vector<fs::path> write_trace(const TraceFiles& files, const std::vector<Tra
     const Surface& surface = frames[f].surface;
     meshes.push_back(tessellate(surface, files.mesh_density.value_or(viewing_level(surface))));
     const std::string number = fmt::format("{:0{}}", f + 1, digits);
-    paths.push_back(files.folder / (stem + "-" + number + extension_of(files.mesh_format)));
+    paths.push_back(files.folder / fmt::format("{}-{}{}", stem, number, extension_of(files.mesh_format)));
     write_mesh(paths.back(), meshes.back(), files.mesh_format);
     table += fmt::format("{}\t{}\t{}\t{}\t{:.6g}\n", number, frames[f].stage, frames[f].step,
                          control_point_count(surface.model), volume_with_normals(meshes.back()) / 1000.0);
