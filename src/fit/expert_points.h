@@ -35,7 +35,7 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
 /// uncertain as they are far apart, and there the image may not lead it away (along the brain stem, say).
 std::shared_ptr<const Leash> leash_of(const Surface& drawn, const ExpertPoints& points, double h);
 
-/// `start` drawn to the points alone, with `detail` refinements at most; `start` itself where that fails.
+/// `start` drawn to the points alone, with `detail` refinements at most; where one fails, as it was before.
 Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail);
 
 }  // namespace pellicle

@@ -54,7 +54,8 @@ struct Trial {
   std::vector<StageSummary> stages;
   Evidence evidence;
   double volume = 0.0;
-  double credit = 0.0;  ///< evidence, weighed by the seed's size: what hypotheses are compared by
+  double credit = 0.0;                        ///< evidence, weighed by the seed's size: what hypotheses are compared by
+  std::optional<PointDistances> points = {};  ///< of the expert points, when there are any
 };
 
 void run_stages(const StageContext& context, std::size_t from, std::size_t to, Trial& trial) {
@@ -88,18 +89,16 @@ void judge(const StageContext& context, Trial& trial) {
   if (looks_like_membrane(context.settings, trial) && trial.credit > 0.0) trial.credit *= 0.25;
   // A seed says where the object is and, roughly, how large. Half the credit at three times its radius or a third of
   // it.
+  const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
   if (trial.hypothesis.seed_radius > 0.0 && trial.credit > 0.0) {
-    const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
     const double ratio = radius / (3.0 * trial.hypothesis.seed_radius),
                  inverse = trial.hypothesis.seed_radius / (3.0 * radius);
     trial.credit /= 1.0 + std::pow(ratio, 4) + std::pow(inverse, 4);
   }
   // Points say where the surface is: half the credit where they lie a tenth of the radius off.
-  if (!context.settings.points.points.empty() && trial.state.status == FitStatus::ok && trial.credit > 0.0) {
-    const double radius = std::cbrt(3.0 * std::abs(trial.volume) / (4.0 * std::numbers::pi));
-    const double off =
-        distances_to(context.settings.points, trial.state.surface, context.image.grid.mean_spacing()).rms_mm;
-    trial.credit /= 1.0 + std::pow(off / (0.1 * radius), 2);
+  if (!context.settings.points.points.empty()) {
+    trial.points = distances_to(context.settings.points, trial.state.surface, context.image.grid.mean_spacing());
+    if (trial.credit > 0.0) trial.credit /= 1.0 + std::pow(trial.points->rms_mm / (0.1 * radius), 2);
   }
 }
 
@@ -238,13 +237,7 @@ double margin_of(const std::vector<Trial>& trials, std::size_t best) {
   return runner_up > 0.0 ? std::min(1e3, trials[best].credit / runner_up) : 1e3;
 }
 
-// Expert points all around and near the surface vouch for it where the image shows no edge.
-bool vouched_for(const Image<float>& image, const FitSettings& settings, const FitSummary& summary) {
-  const double h = image.grid.mean_spacing();
-  return summary.points && summary.points->rms_mm <= 2.0 * h && ellipsoid_of(settings.points, settings.model, h);
-}
-
-FitResult summarise(const StageContext& context, const std::vector<Trial>& trials, std::size_t best) {
+FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
   const Trial& chosen = trials[best];
   FitResult result{chosen.state.surface, {}, chosen.state.trace};
   FitSummary& summary = result.summary;
@@ -262,19 +255,8 @@ FitResult summarise(const StageContext& context, const std::vector<Trial>& trial
   summary.polarity = reading.similarity ? Polarity::automatic : reading.sign > 0.0 ? Polarity::bright : Polarity::dark;
   summary.level_inside = chosen.state.levels.inside;
   summary.level_outside = chosen.state.levels.outside;
-  const ExpertPoints& points = context.settings.points;
-  if (!points.points.empty()) {
-    summary.points = distances_to(points, result.surface, context.image.grid.mean_spacing());
-  }
-  if (summary.status != FitStatus::ok) return result;
-  check_evidence(chosen, summary);
-  const bool weak = summary.status == FitStatus::no_contrast || summary.status == FitStatus::doubtful ||
-                    summary.status == FitStatus::ambiguous;
-  if (weak && vouched_for(context.image, context.settings, summary)) {
-    summary.status = FitStatus::ok;
-    summary.reason += fmt::format("; {} expert points vouch for it, {:.2f} mm off (rms)", summary.points->count,
-                                  summary.points->rms_mm);
-  }
+  summary.points = chosen.points;
+  if (summary.status == FitStatus::ok) check_evidence(chosen, summary);
   return result;
 }
 
@@ -321,7 +303,7 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
   refine_by_evidence(context, trials[best]);
   judge(context, trials[best]);
-  return summarise(context, trials, best);
+  return summarise(trials, best);
 }
 
 }  // namespace pellicle

@@ -25,22 +25,6 @@ FitState state_from(const SurfaceModel& model, const Vec3& centre, const Mat3& s
   return state;
 }
 
-std::vector<Stage> stages_of(const FitSettings& settings) {
-  std::vector<Stage> stages = settings.stages.empty() ? default_stages(settings) : settings.stages;
-  for (Stage& stage : stages) stage = with_overrides(std::move(stage), settings);
-  for (const auto& [name, weight] : settings.energies) {
-    const bool used =
-        std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
-    for (Stage& stage : stages) {
-      if (!used || stage.energies.contains(name)) stage.energies[name] = weight;
-    }
-  }
-  for (Stage& stage : stages) {
-    if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
-  }
-  return stages;
-}
-
 // Hypotheses are compared after the region stages of the first two levels of detail: far enough to tell a leak from an
 // object, cheap enough to do for each.
 std::size_t comparison_point(const std::vector<Stage>& stages) {
@@ -197,7 +181,7 @@ std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& se
                                        const std::string& prefix) {
   const auto* surface = std::get_if<Surface>(&seed);
   const bool free_start = settings.start_rule == StartRule::automatic && settings.stages.empty();
-  if (free_start && with_overrides({}, settings).energies["springs"] > 0.0) {
+  if (free_start && stages_of(settings).front().energies["springs"] > 0.0) {
     const double h = image.grid.mean_spacing();
     const std::optional<Surface> start =
         surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);
@@ -261,11 +245,8 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
                           .smoothing = 0.0,
                           .max_steps = 6,
                           .tolerance = 0.01}};
-    for (Stage& stage : hypothesis.stages) {
-      stage = with_overrides(std::move(stage), settings);
-      if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
-      stage.resolution = 1.0;
-    }
+    for (Stage& stage : hypothesis.stages) stage.resolution = 1.0;
+    hypothesis.stages = with_settings(std::move(hypothesis.stages), settings);
     hypothesis.compare_after = hypothesis.stages.size();
     list.push_back(std::move(hypothesis));
   }

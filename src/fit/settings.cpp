@@ -62,15 +62,21 @@ void validate_points(const ExpertPoints& points) {
 
 }  // namespace
 
-Stage with_overrides(Stage stage, const FitSettings& settings) {
-  stage.solver = settings.solver.value_or(stage.solver);
-  stage.motion = with_overrides(stage.motion, settings);
-  if (!settings.points.points.empty()) {
-    const auto told = settings.energies.find("springs");
-    if (told != settings.energies.end()) stage.energies["springs"] = told->second;
-    stage.energies.try_emplace("springs", 1.0);
+std::vector<Stage> with_settings(std::vector<Stage> stages, const FitSettings& settings) {
+  for (Stage& stage : stages) {
+    stage.solver = settings.solver.value_or(stage.solver);
+    stage.motion = with_overrides(stage.motion, settings);
+    if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
+    if (!settings.points.points.empty()) stage.energies.try_emplace("springs", 1.0);
   }
-  return stage;
+  for (const auto& [name, weight] : settings.energies) {
+    const bool used =
+        std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
+    for (Stage& stage : stages) {
+      if (!used || stage.energies.contains(name)) stage.energies[name] = weight;
+    }
+  }
+  return stages;
 }
 
 void Stage::validate() const {
@@ -193,10 +199,8 @@ std::vector<Stage> stages_for_start(const FitSettings& settings) {
 
 }  // namespace
 
-std::vector<Stage> default_stages(const FitSettings& settings) {
-  std::vector<Stage> stages = stages_for_start(settings);
-  for (Stage& stage : stages) stage = with_overrides(std::move(stage), settings);
-  return stages;
+std::vector<Stage> stages_of(const FitSettings& settings) {
+  return with_settings(settings.stages.empty() ? stages_for_start(settings) : settings.stages, settings);
 }
 
 }  // namespace pellicle

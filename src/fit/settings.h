@@ -84,10 +84,11 @@ struct EnergyDescription {
 };
 const std::vector<EnergyDescription>& energy_descriptions();
 
-/// `stage` with what the settings say for all stages: solver, motion, springs where there are points.
-Stage with_overrides(Stage stage, const FitSettings& settings);
+/// `stages` with what the settings say for all of them: solver, motion, springs where there are points, weights,
+/// detail.
+std::vector<Stage> with_settings(std::vector<Stage> stages, const FitSettings& settings);
 
-/// The stages that will run when FitSettings::stages is empty.
-std::vector<Stage> default_stages(const FitSettings& settings);
+/// The stages that will run: FitSettings::stages or, when there are none, those of the start rule, with_settings.
+std::vector<Stage> stages_of(const FitSettings& settings);
 
 }  // namespace pellicle

@@ -166,7 +166,7 @@ json report_of(const SegmentResult& result, const std::vector<std::string>& comm
   report["finished"] = utc_time();
   report["exit_code"] = result.exit_code();
   SegmentSettings resolved = result.settings;
-  if (resolved.fit.stages.empty()) resolved.fit.stages = default_stages(resolved.fit);
+  resolved.fit.stages = stages_of(resolved.fit);
   report["settings"] = json_of(resolved);
   report["input"] = input_json(result);
   json inputs = json::array(), outputs = json::array(), objects = json::array();

@@ -65,6 +65,10 @@ void measure(ObjectResult& object, const SegmentSettings& settings, const ImageG
   object.area_mm2 = area_of(fine);
   object.topology = topology_of(object.mesh);
   object.self_intersections = self_intersection_count(object.mesh);
+  if (object.self_intersections > 0 && object.fit.status == FitStatus::ok) {
+    object.fit.status = FitStatus::folded;
+    object.fit.reason = fmt::format("the surface cuts itself: {} pairs of facets", object.self_intersections);
+  }
 }
 
 /// What all objects together look like on the input's grid. Maps that nobody asked for stay empty.

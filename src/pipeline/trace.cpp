@@ -61,7 +61,7 @@ std::vector<fs::path> write_trace(const TraceFiles& files, const std::vector<Tra
   const std::size_t digits = std::max<std::size_t>(4, fmt::format("{}", frames.size()).size());
   std::vector<fs::path> paths;
   std::vector<TriangleMesh> meshes;
-  meshes.reserve(frames.size());
+  meshes.reserve(frames.size());  // the panels point into it
   std::vector<SheetPanel> panels;
   std::string table = "frame\tstage\tstep\tcontrol_points\tvolume_ml\n";
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -73,9 +73,7 @@ std::vector<fs::path> write_trace(const TraceFiles& files, const std::vector<Tra
     write_mesh(paths.back(), meshes.back(), files.mesh_format);
     table += fmt::format("{}\t{}\t{}\t{}\t{:.6g}\n", number, frames[f].stage, frames[f].step,
                          control_point_count(surface.model), volume_with_normals(meshes.back()) / 1000.0);
-  }
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    panels.push_back({&meshes[f], fmt::format("{} {}", frames[f].stage, frames[f].step)});
+    panels.push_back({&meshes.back(), fmt::format("{} {}", frames[f].stage, frames[f].step)});
   }
   paths.push_back(files.folder / (stem + ".tsv"));
   write_text_file(paths.back(), table);

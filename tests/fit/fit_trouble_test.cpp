@@ -248,7 +248,7 @@ TEST(FitSettings, unknown_energy_and_bad_values_are_usage_errors) {
   for (const StartRule rule : {StartRule::automatic, StartRule::sphere, StartRule::rays, StartRule::head}) {
     settings = {};
     settings.start_rule = rule;
-    for (const Stage& stage : default_stages(settings)) EXPECT_NO_THROW(stage.validate());
+    for (const Stage& stage : stages_of(settings)) EXPECT_NO_THROW(stage.validate());
   }
 }
 
