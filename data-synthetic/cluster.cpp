@@ -10,13 +10,10 @@
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
 #include "pellicle/synthetic/render.h"
+#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
-
-void require(bool ok, const char* flag, const std::string& value, const char* rule) {
-  if (!ok) throw UsageError(fmt::format("bad phantom setting ({} {}): {}", flag, value, rule));
-}
 
 Mat3 random_rotation(RandomEngine& random) {
   const Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());

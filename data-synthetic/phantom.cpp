@@ -11,6 +11,7 @@
 #include "pellicle/synthetic/implicit_mesh.h"
 #include "pellicle/synthetic/inner_ball.h"
 #include "pellicle/synthetic/render.h"
+#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
@@ -21,10 +22,6 @@ Mat3 rotation_of(const Vec3& degrees) {
   return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
           Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
       .toRotationMatrix();
-}
-
-void require(bool ok, const char* flag, const std::string& value, const char* rule) {
-  if (!ok) throw UsageError(fmt::format("bad phantom setting ({} {}): {}", flag, value, rule));
 }
 
 std::string text(const Vec3& v) {

@@ -2,12 +2,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/synthetic/shapes.h"
 
 namespace pellicle {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 double volume_of_shape(const EllipsoidShape& s, const Shape& /*shape*/) {
   return 4.0 / 3.0 * kPi * s.half_axes.prod();

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 
 namespace pellicle {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kTiny = 1e-12;
 constexpr double kMaxElongation = 20.0;  // truth meshes of longer shapes would not fit their triangle budget
 constexpr double kTorusBlend = 0.25;     // of the minor radius: the groove between the two tubes stays resolvable

@@ -31,7 +31,7 @@ PhantomSettings torus_phantom(std::size_t variant) {
   return s;
 }
 
-// The phantom's own size and centre, moved by `off` mm in a random direction and turned by up to ten degrees.
+// The phantom's own size and pose, moved by `off` mm in a random direction and turned by up to ten degrees.
 Surface torus_seed(const Phantom& phantom, double off, RandomEngine& random) {
   const double major = phantom.settings.radius[0], minor = phantom.settings.radius[1];
   const SurfaceModel model =
@@ -39,7 +39,8 @@ Surface torus_seed(const Phantom& phantom, double off, RandomEngine& random) {
   const Vec3 direction = Vec3(random.normal(), random.normal(), random.normal()).normalized();
   const Vec3 axis = Vec3(random.normal(), random.normal(), random.normal()).normalized();
   const Mat3 turn = Eigen::AngleAxisd(random.uniform(0.0, 0.17), axis).toRotationMatrix();
-  return {model, affine_image(model, phantom.settings.center + off * direction, major * turn)};
+  return {model,
+          affine_image(model, phantom.body.center + off * direction, major * turn * phantom.body.world_from_shape)};
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ std::string program_version() {
 
 std::vector<std::pair<std::string, std::string>> library_versions() {
   const std::string eigen = fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
-  const std::string json =
+  const std::string nlohmann =
       fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH);
   const std::string toml = fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH);
   return {{"Ceres", CERES_VERSION_STRING},
@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
           {"Embree", PELLICLE_EMBREE_VERSION},
           {"OpenSSL", OpenSSL_version(OPENSSL_VERSION_STRING)},
           {"libpng", png_get_libpng_ver(nullptr)},
-          {"nlohmann-json", json},
+          {"nlohmann-json", nlohmann},
           {"toml++", toml}};
 }
 

@@ -20,6 +20,8 @@ double area_of(const NodeMesh& mesh);
 /// Nodes that a level set of half width `band` (in node distances) would take, about; infinite when the surface is not
 /// within reach of OpenVDB's integer coordinates. The work and the memory go with it, wherever the grid is.
 double node_count_estimate(const NodeMesh& mesh, double band);
+/// Beyond these, and one for each voxel of the image, a level set costs more than the image.
+inline constexpr double kSpareNodes = 1e6;
 
 /// OpenVDB's level set of a closed surface: signed distance at the nodes of a narrow band, the sign alone elsewhere.
 class LevelSet {

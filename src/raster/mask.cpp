@@ -18,7 +18,6 @@ namespace {
 // By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs waver, or
 // half a per cent where that is more (coarse facets, whose edges mislead it).
 constexpr double kLayer = 0.02, kShare = 0.005;
-constexpr double kLeastNodes = 1e6;
 
 struct Crossing {
   int row;     ///< j
@@ -113,7 +112,7 @@ MaskResult rasterize_mask_checked(const TriangleMesh& surface, const ImageGrid& 
   out.exact_volume_mm3 =
       volume(static_cast<std::size_t>(std::count(out.mask.voxels.begin(), out.mask.voxels.end(), std::uint8_t{1})));
   // A surface of which most lies elsewhere would cost OpenVDB more than the image.
-  if (node_count_estimate(nodes, 1.5) > kLeastNodes + static_cast<double>(grid.voxel_count())) return out;
+  if (node_count_estimate(nodes, 1.5) > kSpareNodes + static_cast<double>(grid.voxel_count())) return out;
   const LevelSet::Comparison c = LevelSet(nodes, 1.5, LevelSet::Wanted::signs).compare(out.mask);
   out.openvdb_volume_mm3 = volume(c.inside);
   out.corrected_voxels = c.differ;

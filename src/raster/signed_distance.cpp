@@ -19,7 +19,6 @@ namespace {
 
 constexpr int kBlock = 8;
 constexpr double kReliable = 1.0;  // nodes: farther out OpenVDB's nearest facet is not always the nearest
-constexpr double kLeastNodes = 1e6;
 
 struct Block {
   Index3 begin, end;
@@ -120,7 +119,7 @@ Image<float> rasterize_signed_distance(const TriangleMesh& surface, const ImageG
     const NodeFrame frame(surface, grid);
     const double reliable = std::min(band_mm, kReliable * frame.step);
     const double nodes = node_count_estimate({frame.vertices, surface.triangles}, reliable / frame.step + 2.0);
-    if (nodes <= kLeastNodes + static_cast<double>(grid.voxel_count())) {
+    if (nodes <= kSpareNodes + static_cast<double>(grid.voxel_count())) {
       near = reliable;
       fill_near(frame, surface, mask, near, out);
     }

@@ -16,8 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kVersion = 1;
-
 std::string rule_name(SubdivisionRule rule) {
   switch (rule) {
     case SubdivisionRule::published:
@@ -109,8 +107,8 @@ Surface read_model(const std::filesystem::path& path) {
   if (!document.is_object()) throw BadData(fmt::format("model file ({}): must hold one JSON object", path.string()));
   const ModelReader reader(path, document);
   reader.expect("format", "pellicle-model");
-  if (!reader.at("version").is_number_integer() || reader.at("version") != kVersion) {
-    reader.fail("version", fmt::format("is {}, this program reads {}", reader.at("version").dump(), kVersion));
+  if (!reader.at("version").is_number_integer() || reader.at("version") != kModelFileVersion) {
+    reader.fail("version", fmt::format("is {}, this program reads {}", reader.at("version").dump(), kModelFileVersion));
   }
   const std::string model = reader.text("model");
   const std::vector<std::string> known{"normal", "spline", "catmull-clark", "slime"};

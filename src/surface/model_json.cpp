@@ -14,7 +14,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kVersion = 1;
 constexpr double kUnitTolerance = 1e-6;
 
 }  // namespace
@@ -146,7 +145,7 @@ std::string json_head(const char* model) {
       "{{\n  \"format\": \"pellicle-model\",\n  \"version\": {},\n  \"model\": \"{}\",\n  \"frame\": \"LPS\",\n  "
       "\"unit\": "
       "\"mm\"",
-      kVersion, model);
+      kModelFileVersion, model);
 }
 
 }  // namespace pellicle

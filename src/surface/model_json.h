@@ -11,6 +11,9 @@
 
 namespace pellicle {
 
+/// Of the model files that this program writes and reads.
+inline constexpr int kModelFileVersion = 1;
+
 /// Reads one file's keys; every complaint (BadData) names the file and the key.
 class ModelReader {
  public:

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <set>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/surface/icosphere.h"
 #include "pellicle/surface/linear_stencils.h"
@@ -16,7 +16,6 @@
 namespace pellicle {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kHighestLevel = 7;
 
 struct Place {

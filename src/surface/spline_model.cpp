@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/surface/linear_stencils.h"
 
 namespace pellicle {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kLargest = 4096;  ///< control points a direction
 constexpr int kPoleBlocks = 6;
 

@@ -2,15 +2,13 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/surface/spline_model.h"
 
 namespace pellicle {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// 4, 6, 10, 16, 24, 36 ...; 1, 2, 4, 6 ...
 int next_size(int m) {

@@ -21,9 +21,9 @@ std::vector<AxisWeights> basis_at(const SplineAxis& axis, const Quadrature& rule
   return result;
 }
 
-using Quad = std::array<Vec3, 4>;
+using FourPoints = std::array<Vec3, 4>;
 
-Vec3 combine(const std::array<double, 4>& weights, const Quad& points) {
+Vec3 combine(const std::array<double, 4>& weights, const FourPoints& points) {
   return weights[0] * points[0] + weights[1] * points[1] + weights[2] * points[2] + weights[3] * points[3];
 }
 
@@ -52,10 +52,10 @@ double SplineVolume::sum(const Parameters& parameters, std::vector<Vec3>* gradie
     for (int cell_u = 0; cell_u < m1; ++cell_u) {
       const AxisWeights* const u = &by_u_[static_cast<std::size_t>(cell_u) * points_];
       for (int p = 0; p < points_; ++p) {
-        Quad line, line_u, normals{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+        FourPoints line, line_u, normals{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
         for (int b = 0; b < 4; ++b) {
-          const Quad c{grid[at(u[p], *v, 0, b)], grid[at(u[p], *v, 1, b)], grid[at(u[p], *v, 2, b)],
-                       grid[at(u[p], *v, 3, b)]};
+          const FourPoints c{grid[at(u[p], *v, 0, b)], grid[at(u[p], *v, 1, b)], grid[at(u[p], *v, 2, b)],
+                             grid[at(u[p], *v, 3, b)]};
           line[b] = combine(u[p].value, c);
           line_u[b] = combine(u[p].slope, c);
         }
