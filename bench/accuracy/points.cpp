@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include "pellicle/fit/expert_points.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/overlap.h"
+#include "pellicle/pipeline/seeding.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/components.h"
 #include "sections.h"
@@ -47,7 +49,8 @@ void rows_for(const std::string& object, const Image<float>& image, const Image<
       if (way.points) settings.points = points;
       if (!way.image) settings.energies = {{"region", 0.0}, {"edge", 0.0}};
       const double begin = seconds_now();
-      const FitResult fit = fit_surface(image, {seed}, settings);
+      const Seed start = way.points ? seed_of_points(points, image.grid, settings).value_or(seed) : Seed(seed);
+      const FitResult fit = fit_surface(image, {start}, settings);
       const double seconds = seconds_now() - begin;
       const TriangleMesh mesh = measuring_mesh(fit.surface, h);
       const PointDistances off = distances_to(points, fit.surface, h);
@@ -68,17 +71,17 @@ void points_table(const Options& options) {
       "| object | model | forces | control points | Dice | ASSD (mm) | points rms (mm) | max | status | seconds |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
   if (std::filesystem::exists(options.head / "aal.nii.gz")) {
-    rows_for("cerebellum of ch2, AAL 91 to 116", read_volume(options.head / "ch2.nii.gz").image,
+    rows_for("cerebellum of ch2, AAL 91 to 116", in_lps_order(read_volume(options.head / "ch2.nii.gz").image),
              labels_between(read_labels(options.head / "aal.nii.gz"), 91, 116));
   } else {
     fmt::print("skipped: no aal.nii.gz in {} (Debian package mricron-data)\n", options.head.string());
   }
   const std::filesystem::path folder = options.data / "subcortical";
   if (std::filesystem::exists(folder)) {
-    const Volume volume = read_volume(folder / "vxm_DERIVED_vol.nii.gz");
+    const Image<float> image = in_lps_order(read_volume(folder / "vxm_DERIVED_vol.nii.gz").image);
     const LabelVolume labels = read_labels(folder / "vxm_DERIVED_seg.nii.gz");
-    rows_for("left caudate, label 11", volume.image, labels_between(labels, 11, 11));
-    rows_for("right caudate, label 50", volume.image, labels_between(labels, 50, 50));
+    rows_for("left caudate, label 11", image, labels_between(labels, 11, 11));
+    rows_for("right caudate, label 50", image, labels_between(labels, 50, 50));
   } else {
     fmt::print("skipped: no folder {}\n", folder.string());
   }

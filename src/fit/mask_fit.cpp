@@ -1,3 +1,5 @@
+#include <optional>
+
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/fit/stage.h"
@@ -36,7 +38,12 @@ FitState state_of(Surface surface, int detail) {
 }
 
 /// To the boundary of the part, stage by stage: (detail, how far to look in mm). Ends before a stage that fails.
-Surface fitted(const Image<float>& image, FitState state, const std::vector<std::pair<int, double>>& stages) {
+struct MaskFit {
+  Surface surface;
+  bool complete = true;
+};
+
+MaskFit fitted(const Image<float>& image, FitState state, const std::vector<std::pair<int, double>>& stages) {
   FitSettings settings;
   GeometryCache geometry;
   const StageContext context{image, settings, geometry};
@@ -51,9 +58,19 @@ Surface fitted(const Image<float>& image, FitState state, const std::vector<std:
                       .max_steps = 15};
     const FitState before = state;
     run_stage(context, stage, state);
-    if (state.status != FitStatus::ok) return before.surface;
+    if (state.status != FitStatus::ok) return {before.surface, false};
   }
-  return state.surface;
+  return {state.surface};
+}
+
+/// From the voxels' own boundary: for any shape and genus, with the control points that these give.
+std::optional<Surface> from_voxels(const Part& part, const VoxelSeed& voxels, const ModelChoice& choice) {
+  std::optional<Surface> start = seed_surface(voxels.mesh, choice);
+  if (!start) return std::nullopt;
+  const int as_seeded = refinements_of(start->model);
+  return fitted(part.image, state_of(std::move(*start), as_seeded),
+                {{as_seeded, voxels.spacing_mm}, {as_seeded, 0.5 * voxels.spacing_mm}})
+      .surface;
 }
 
 }  // namespace
@@ -62,18 +79,18 @@ Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& ch
   const Part part = largest_part(mask);
   const VoxelSeed voxels = voxel_seed_of_mask(part.mask);
   if (voxels.genus > 0) {
-    if (std::optional<Surface> start = seed_surface(voxels.mesh, choice)) {
-      const int as_seeded = refinements_of(start->model);
-      return fitted(part.image, state_of(std::move(*start), as_seeded),
-                    {{as_seeded, voxels.spacing_mm}, {as_seeded, 0.5 * voxels.spacing_mm}});
-    }
+    if (const std::optional<Surface> start = from_voxels(part, voxels, choice)) return *start;
   }
   const Moments moments = moments_of(part.mask);
   const SurfaceModel model = start_model(choice);
   const double radius = std::cbrt(std::abs(moments.shape.determinant()));
   std::vector<std::pair<int, double>> stages;
   for (int d = std::min(1, detail); d <= detail; ++d) stages.emplace_back(d, d <= 1 ? 0.6 * radius : 0.2 * radius);
-  return fitted(part.image, state_of({model, on_ellipsoid(model, moments.centroid, moments.shape)}, 0), stages);
+  const Surface ellipsoid{model, on_ellipsoid(model, moments.centroid, moments.shape)};
+  MaskFit fit = fitted(part.image, state_of(ellipsoid, 0), stages);
+  if (fit.complete) return fit.surface;
+  // Long and bent: the ellipsoid lies across it.
+  return from_voxels(part, voxels, choice).value_or(std::move(fit.surface));
 }
 
 }  // namespace pellicle

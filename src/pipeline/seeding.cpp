@@ -11,6 +11,7 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/mesh/point_file.h"
+#include "pellicle/seed/point_outline.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle {
@@ -120,6 +121,19 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
   return points;
 }
 
+std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitSettings& fit) {
+  if (!ellipsoid_of(points, {}, grid.mean_spacing())) return std::nullopt;
+  try {
+    return surface_from_mask(mask_of_points(points.points), fit.model, std::min(2, fit.detail.value_or(2)));
+  } catch (const BadData&) {  // nothing enclosed
+  }
+  SeedSphere ball;
+  const auto count = static_cast<double>(points.points.size());
+  for (const Vec3& x : points.points) ball.center += x / count;
+  for (const Vec3& x : points.points) ball.radius += 0.5 * (x - ball.center).norm() / count;
+  return ball;
+}
+
 void check_seed_files(const SegmentSettings& settings) {
   const auto need = [](const std::string& flag, const fs::path& path) {
     std::error_code ignored;
@@ -204,24 +218,8 @@ std::vector<ObjectSeed> seeds_from_mask(const SegmentSettings& settings) {
   return objects;
 }
 
-// Points all around the object say where it is; a few say where it ends.
-std::optional<SeedSphere> ball_of_points(const ExpertPoints& points, double h) {
-  if (!ellipsoid_of(points, {}, h)) return std::nullopt;
-  SeedSphere ball;
-  const auto count = static_cast<double>(points.points.size());
-  for (const Vec3& x : points.points) ball.center += x / count;
-  for (const Vec3& x : points.points) ball.radius += 0.5 * (x - ball.center).norm() / count;
-  return ball;
-}
-
 std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image<float>& image) {
   ObjectSeed object;
-  if (!settings.seed_auto && settings.fit.start_rule != StartRule::head) {
-    if (const auto ball = ball_of_points(settings.fit.points, image.grid.mean_spacing())) {
-      object.candidates = {*ball};
-      return {object};
-    }
-  }
   if (settings.fit.start_rule == StartRule::head) {
     object.candidates = {find_head(image)};
   } else {
@@ -238,7 +236,14 @@ std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image
 
 std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image) {
   std::vector<ObjectSeed> objects;
-  if (!settings.seed_spheres.empty() || settings.seeds_file) {
+  // Points all around the object say more than balls do. A few only say where it ends.
+  const bool told =
+      settings.seed_mask || settings.seed_model || settings.seed_spheres.size() > 1 || settings.seeds_file;
+  const bool outlined = settings.points && !told && settings.fit.start_rule == StartRule::automatic;
+  const auto from_points = outlined ? seed_of_points(settings.fit.points, image.grid, settings.fit) : std::nullopt;
+  if (from_points) {
+    objects = {{1, "", {*from_points}}};
+  } else if (!settings.seed_spheres.empty() || settings.seeds_file) {
     objects = seeds_from_spheres(settings, grid);
   } else if (settings.seed_mask) {
     objects = seeds_from_mask(settings);

@@ -15,6 +15,7 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/raster/rasterize.h"
+#include "pellicle/seed/point_outline.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/surface/surface.h"
 
@@ -262,6 +263,33 @@ TEST(SeedSurface, SmoothingKeepsTheVolume) {
   const QuadMesh mesh = voxel_seed_of_mask(mask_of(ring())).mesh;
   const double before = volume_of(split_quads(mesh));
   EXPECT_NEAR(volume_of(split_quads({smoothed_vertices(mesh, 12), mesh.quads})) / before, 1.0, 0.03);
+}
+
+// A ball and a bent tube, whose outline by a ball of points must not fill the bend.
+TEST(PointOutline, IsTheSolidThatThePointsLieOn) {
+  RandomEngine random(11);
+  std::vector<Vec3> ball, bow;
+  for (int k = 0; k < 300; ++k) {
+    ball.push_back(Vec3(4, -3, 2) + 12.0 * Vec3(random.normal(), random.normal(), random.normal()).normalized());
+  }
+  for (int k = 0; k < 500; ++k) {  // three quarters of a torus of radii 15 and 4, closed by its ends' discs
+    const double u = random.uniform(0.0, 1.5 * std::numbers::pi), v = random.uniform(0.0, 2.0 * std::numbers::pi);
+    const double w = k % 10 == 0 ? 4.0 * std::sqrt(random.uniform(0.0, 1.0)) : 4.0;
+    const double at = k % 20 == 0 ? 0.0 : k % 10 == 0 ? 1.5 * std::numbers::pi : u;
+    bow.emplace_back((15.0 + w * std::cos(v)) * std::cos(at), (15.0 + w * std::cos(v)) * std::sin(at), w * std::sin(v));
+  }
+  const auto volume = [](const Image<std::uint8_t>& mask) {
+    return static_cast<double>(std::count(mask.voxels.begin(), mask.voxels.end(), 1)) * mask.grid.voxel_volume();
+  };
+  const double of_ball = 4.0 / 3.0 * std::numbers::pi * 1728.0;
+  const double of_bow = 0.75 * 2.0 * std::pow(std::numbers::pi, 2) * 15.0 * 16.0;
+  EXPECT_NEAR(volume(mask_of_points(ball)) / of_ball, 1.0, 0.08);
+  EXPECT_NEAR(volume(mask_of_points(bow)) / of_bow, 0.97, 0.15);
+}
+
+TEST(PointOutline, RefusesWhatEnclosesNothing) {
+  EXPECT_THROW(mask_of_points({Vec3::Zero(), Vec3::Ones(), Vec3::UnitX()}), BadData);
+  EXPECT_THROW(mask_of_points(std::vector<Vec3>(20, Vec3(1, 2, 3))), BadData);
 }
 
 }  // namespace
