@@ -71,7 +71,7 @@ PointDistances distances_to(const ExpertPoints& points, const Surface& surface, 
   return summary_of(points, distances);
 }
 
-std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& choice, double h) {
+std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& model, double h) {
   std::size_t count = 0;
   double total = 0.0;
   Vec3 mean = Vec3::Zero();
@@ -92,9 +92,9 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(3.0 * moments);
   const Vec3 half_axes = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   if (!(half_axes[0] > std::max(h, 0.05 * half_axes[2]))) return std::nullopt;
-  const SurfaceModel model = start_model(choice);
+  const SurfaceModel start = start_model(model);
   const Mat3 shape = axes.eigenvectors() * half_axes.asDiagonal() * axes.eigenvectors().transpose();
-  return Surface{model, on_ellipsoid(model, mean, shape)};
+  return Surface{start, on_ellipsoid(start, mean, shape)};
 }
 
 std::shared_ptr<const Leash> leash_of(const Surface& drawn, const ExpertPoints& points, double h) {

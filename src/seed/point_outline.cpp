@@ -1,6 +1,7 @@
 #include "pellicle/seed/point_outline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pellicle/base/errors.h"
@@ -35,8 +36,10 @@ Image<float> grid_around(const std::vector<Vec3>& points, double spacing, double
 
 Vec3 place_of(const ImageGrid& grid, std::size_t i) {
   const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
+  const std::size_t row = i / nx;
+  const std::array<std::size_t, 3> index{i % nx, row % ny, row / ny};
   return grid.world_from_index(
-      Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny), static_cast<double>(i / (nx * ny))));
+      Vec3(static_cast<double>(index[0]), static_cast<double>(index[1]), static_cast<double>(index[2])));
 }
 
 // Distance of every voxel's centre that is asked about to the nearest of the tree's points.
