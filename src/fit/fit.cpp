@@ -144,6 +144,25 @@ bool measures(const Stage& stage, const std::vector<Stage>& stages) {
   return uses(stage, edges ? "edge" : "springs");
 }
 
+// Where expert points that were left out are foretold better without the image (edges of another polarity, or of
+// another object), it has no say.
+void without_image(const StageContext& context, Trial& trial, FitState& best, Stage& last) {
+  const auto edge = last.energies.find("edge");
+  if (best.held_out_points < 0.0 || edge == last.energies.end() || !(edge->second > 0.0)) return;
+  Stage alone = last;
+  alone.name = "points alone";
+  alone.energies["edge"] = 0.0;
+  FitState state = trial.hypothesis.start;
+  state.hold_out = true;
+  StageSummary summary = run_stage(context, alone, state);
+  const bool better = state.status == FitStatus::ok && state.held_out_points < 0.9 * best.held_out_points;
+  if (!better) summary.reason += "; dropped: points left out are foretold better with the image";
+  trial.stages.push_back(summary);
+  if (!better) return;
+  best = std::move(state);
+  last = std::move(alone);
+}
+
 // The remaining stages of the chosen reading. Edge stages leave a quarter of the samples out; more control points, and
 // then more or less smoothness, are kept only if they foretell the samples left out better. Last, all samples are used.
 void refine_by_evidence(const StageContext& context, Trial& trial) {
@@ -203,6 +222,7 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
       if (improved) break;
     }
   }
+  without_image(context, trial, best, last);
   trial.state = best;
   trial.state.hold_out = false;
   trial.state.all_samples = true;

@@ -306,6 +306,7 @@ std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
     ExpertRows springs =
         expert_rows(context_.settings.points, geometry_->layout, g.samples, weight, h_, state_.hold_out);
     points_ = springs.distances;
+    state_.held_out_points = springs.held_out;
     if (springs.held_out >= 0.0) {
       const double edges = edge_held_out_ >= 0.0 ? weight_of(stage_, "edge") * edge_held_out_ * edge_held_out_ : 0.0;
       state_.held_out_rms = std::sqrt(edges + weight * springs.held_out);

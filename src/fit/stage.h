@@ -54,6 +54,7 @@ struct FitState {
   bool hold_out = false;              ///< leave every fourth sample (of edges) and expert point out, and measure there
   double residual_correlation = 1.0;  ///< of the edge offsets of neighbouring samples: near 0 when only noise is left
   double held_out_rms = -1.0;  ///< mm, of what was left out, after the last stage that did so: root of the weighted sum
+  double held_out_points = -1.0;  ///< mm^2, of the expert points alone (expert_points.h)
   double error = -1.0;  ///< mm, after the last stage: rms of the edge offsets or, if larger, of the expert points
   std::shared_ptr<const Leash> leash = {};
   std::vector<TraceFrame> trace = {};

@@ -83,7 +83,7 @@ TEST(ExpertPoints, OfAnEllipsoidGiveTheEllipsoid) {
   ExpertPoints points;
   for (int k = 0; k < 4000; ++k) {
     const Vec3 u = Vec3(random.normal(), random.normal(), random.normal()).normalized();
-    points.points.push_back(centre + turn * half_axes.cwiseProduct(u));
+    points.points.emplace_back(centre + turn * half_axes.cwiseProduct(u));
   }
   ModelChoice spline;  // exact for ellipsoids
   spline.kind = ModelKind::spline;
@@ -113,7 +113,7 @@ TEST(ExpertPoints, AStrayOnePullsNoHarderTheFurtherOffItIs) {
     for (int k = 0; k < 40; ++k) {
       points.points.push_back(samples.x[static_cast<std::size_t>(7 * k) % samples.x.size()]);
     }
-    points.points.push_back((10.0 + off) * Vec3(1, 1, 1).normalized());
+    points.points.emplace_back((10.0 + off) * Vec3(1, 1, 1).normalized());
     points.held = held;
     const ExpertRows step = expert_rows(points, layout, samples, 1.0, 1.0, false);
     const ScalarRows& rows = step.rows.rows;
