@@ -106,9 +106,8 @@ Image<std::uint8_t> mask_of_points(const std::vector<Vec3>& points) {
     Image<std::uint8_t> solid(distance.grid);
     double voxels = 0.0;
     for (std::size_t i = 0; i < asked.size(); ++i) {
-      // The border's centres lie half a voxel outside on average; a voxel, a third of the gap, is what the ball dips in
-      // between points strewn at random.
-      solid.voxels[i] = asked[i] != 0 && static_cast<double>(depth.voxels[i]) > radius - 0.5 * spacing ? 1 : 0;
+      // The border's centres lie half a voxel outside on average.
+      solid.voxels[i] = asked[i] != 0 && static_cast<double>(depth.voxels[i]) > radius + 0.5 * spacing ? 1 : 0;
       voxels += solid.voxels[i];
     }
     solids.push_back(std::move(solid));
