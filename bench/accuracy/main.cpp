@@ -1,5 +1,5 @@
-// Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, orders,
-// torus, handles, points, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR,
+// Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, shapes,
+// orders, torus, handles, points, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR,
 // --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
@@ -70,6 +70,7 @@ int main(int argc, char** argv) try {
       {"power", power_table},
       {"brain", brain_table},
       {"sarcoma", sarcoma_table},
+      {"shapes", shape_table},
       {"orders", storage_order_table},
       {"speed", speed_table},
       {"threads", thread_table},

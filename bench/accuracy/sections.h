@@ -25,6 +25,7 @@ void points_table(const Options& options);
 void power_table(const Options& options);
 void brain_table(const Options& options);
 void sarcoma_table(const Options& options);
+void shape_table(const Options& options);
 void storage_order_table(const Options& options);
 void speed_table(const Options& options);
 void thread_table(const Options& options);

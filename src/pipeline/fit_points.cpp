@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
+#include "pellicle/pipeline/fit_levels.h"
 #include "pellicle/pipeline/fit_report.h"
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/provenance.h"
@@ -21,10 +21,6 @@ namespace pellicle {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr int kMostPointsByItself = 700;  ///< control points that a fit takes without being told to
-constexpr int kMostPointsForTolerance = 2600;
-constexpr double kWorthwhile = 0.9;  ///< a finer level must bring the left-out points down to this share
 
 std::string stem_of(const GeometryFitSettings& settings) {
   if (!settings.name.empty()) return settings.name;
@@ -52,161 +48,6 @@ std::vector<PlannedFile> plan_of(const GeometryFitSettings& settings) {
   if (settings.writes("report")) add("report", "_report.json");
   return plan;
 }
-
-double residual_for(const PointFit& fit, ToleranceOf which) {
-  const Residual& r = fit.summary.to_surface;
-  return which == ToleranceOf::rms ? r.rms : which == ToleranceOf::p95 ? r.p95 : r.max;
-}
-
-std::string name_of_model(const SurfaceModel& model) {
-  if (const auto* spline = std::get_if<SplineModel>(&model))
-    return fmt::format("{} x {}", spline->settings().m1, spline->settings().m2);
-  return fmt::format("{} points", control_point_count(model));
-}
-
-SurfaceModel refined(const SurfaceModel& model) {
-  return refine(Surface{model, affine_image(model, Vec3::Zero(), Mat3::Identity())}).model;
-}
-
-/// Fits levels one after the other, as the settings ask.
-class Fitter {
- public:
-  Fitter(const GeometryFitSettings& settings, const RunContext& context, GeometryFitResult& result)
-      : settings_(settings), context_(context), result_(result), data_(result.input.data) {
-    if (settings.tolerance_mm) tolerance_ = *settings.tolerance_mm;
-    if (settings.tolerance_percent) tolerance_ = 0.01 * *settings.tolerance_percent * data_.diameter;
-    fit_settings_.smoothness = settings.smoothness;
-  }
-
-  void run() {
-    if (result_.input.grid) {
-      interpolate();
-    } else {
-      lay_out();
-      if (!settings_.ladder.empty()) {
-        for (const int m : settings_.ladder) keep(one(sized(m, m), false));
-        result_.chosen = result_.tried.size() - 1;
-      } else if (settings_.size) {
-        keep(one(sized((*settings_.size)[0], (*settings_.size)[1]), false));
-      } else if (tolerance_) {
-        until_tolerance();
-      } else if (settings_.detail) {
-        keep(one(at_detail(*settings_.detail), false));
-      } else {
-        by_left_out_points();
-      }
-    }
-    for (FittedSurface& fitted : result_.tried) judge(fitted);
-  }
-
- private:
-  void interpolate() {
-    const SplineTopology topology =
-        settings_.model.kind == ModelKind::spline_torus ? SplineTopology::torus : SplineTopology::sphere;
-    PointFit fit{interpolate_grid(*result_.input.grid, topology), {}};
-    fit.summary.control_points = control_point_count(fit.surface.model);
-    fit.summary.degrees_of_freedom = degrees_of_freedom(fit.surface.model);
-    fit.summary.reason = "interpolated";
-    measure_fit(data_, fit);
-    keep(std::move(fit));
-  }
-
-  void lay_out() {
-    tell(0.1, "laying the surface out on a sphere");
-    SphereMapSettings map_settings;
-    const SphereMap map = map_to_sphere(result_.input.solid, map_settings);
-    result_.stretch = map.stretch;
-    SurfaceModel probe = start_model(settings_.model);
-    while (control_point_count(probe) < 60) probe = refined(probe);
-    tell(0.15, "choosing the axis");
-    correspondence_ = choose_axis(map, probe);
-  }
-
-  SurfaceModel sized(int m1, int m2) const {
-    SplineSettings spline;
-    spline.m1 = m1;
-    spline.m2 = m2;
-    return SplineModel(spline);
-  }
-
-  SurfaceModel at_detail(int detail) const {
-    SurfaceModel model = start_model(settings_.model);
-    for (int k = 0; k < detail; ++k) model = refined(model);
-    return model;
-  }
-
-  void tell(double share, const std::string& what) const {
-    if (context_.inform) context_.inform(what);
-    if (context_.progress) context_.progress(share, what);
-    check_interrupt();
-  }
-
-  PointFit one(const SurfaceModel& model, bool hold_out) {
-    tell(std::min(0.8, 0.2 + 0.1 * static_cast<double>(result_.tried.size())), "fitting " + name_of_model(model));
-    PointFit fit = fit_to_map(model, data_, *correspondence_, fit_settings_, hold_out);
-    measure_fit(data_, fit);
-    return fit;
-  }
-
-  void keep(PointFit fit) {
-    std::string name = name_of_model(fit.surface.model);
-    result_.tried.push_back({std::move(name), std::move(fit), "", ""});
-  }
-
-  void until_tolerance() {
-    SurfaceModel model = start_model(settings_.model);
-    std::size_t best = 0;
-    for (int detail = 0;; ++detail, model = refined(model)) {
-      if (settings_.detail ? detail > *settings_.detail : control_point_count(model) > kMostPointsForTolerance) break;
-      keep(one(model, false));
-      const double here = residual_for(result_.tried.back().fit, settings_.tolerance_of);
-      if (here < residual_for(result_.tried[best].fit, settings_.tolerance_of)) best = result_.tried.size() - 1;
-      if (here <= *tolerance_) break;
-    }
-    result_.chosen = best;
-  }
-
-  void by_left_out_points() {
-    SurfaceModel model = start_model(settings_.model), chosen = model;
-    double best = -1.0;
-    const int most = std::min<int>(kMostPointsByItself, std::max<int>(10, static_cast<int>(data_.points.size() / 3)));
-    for (int poor = 0; poor < 2 && control_point_count(model) <= most; model = refined(model)) {
-      const PointFit fit = one(model, true);
-      const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
-      poor = better ? 0 : poor + 1;
-      if (better) {
-        best = fit.summary.held_out_rms;
-        chosen = model;
-      }
-      if (best < 1e-6 * data_.diameter) break;
-    }
-    PointFit final_fit = one(chosen, false);
-    final_fit.summary.held_out_rms = best;
-    keep(std::move(final_fit));
-  }
-
-  void judge(FittedSurface& fitted) const {
-    fitted.status = "ok";
-    fitted.reason = fitted.fit.summary.reason;
-    if (tolerance_ && residual_for(fitted.fit, settings_.tolerance_of) > *tolerance_) {
-      fitted.status = "tolerance_missed";
-      fitted.reason = fmt::format("the residual is {:.4g} mm, {:.4g} mm were asked for",
-                                  residual_for(fitted.fit, settings_.tolerance_of), *tolerance_);
-    }
-    if (fitted.fit.summary.self_intersections > 0) {
-      fitted.status = "folded";
-      fitted.reason = fmt::format("the surface cuts itself: {} pairs of facets", fitted.fit.summary.self_intersections);
-    }
-  }
-
-  const GeometryFitSettings& settings_;
-  const RunContext& context_;
-  GeometryFitResult& result_;
-  const GeometryData& data_;
-  std::optional<double> tolerance_;
-  PointFitSettings fit_settings_;
-  std::optional<Correspondence> correspondence_;
-};
 
 int density_for(const Surface& surface) {
   int level = 6;
@@ -303,54 +144,6 @@ std::string line_of(const FittedSurface& fitted, double diameter) {
                      100.0 * s.to_surface.max / diameter, s.self_intersections, fitted.status, s.seconds);
 }
 
-Surface interpolate_grid(const PointGrid& grid, SplineTopology topology) {
-  const bool sphere = topology == SplineTopology::sphere;
-  const int m1 = grid.columns, m2 = sphere ? grid.rows - 1 : grid.rows;
-  if (m1 < 4 || m2 < (sphere ? 2 : 4)) {
-    throw BadData(fmt::format("grid of points (u_index, v_index): {} x {} is too small; a {} takes 4 x {} or more",
-                              grid.columns, grid.rows, to_string(topology), sphere ? 3 : 4));
-  }
-  SplineSettings settings;
-  settings.topology = topology;
-  settings.m1 = m1;
-  settings.m2 = m2;
-  const SplineModel model(settings);
-  Parameters parameters;
-  const auto add = [&](const Vec3& x) { parameters.insert(parameters.end(), {x.x(), x.y(), x.z()}); };
-  if (!sphere) {
-    for (const Vec3& x : grid.points) add(x);
-    return {model, parameters};
-  }
-  const double extent = diameter_of(grid.points);
-  for (const int pole : {0, m2}) {
-    for (int k = 1; k < m1; ++k) {
-      if ((grid.at(k, pole) - grid.at(0, pole)).norm() > 1e-6 * extent) {
-        throw BadData(fmt::format(
-            "grid of points (v_index {}): the row of a pole must hold one point, {} of them differ", pole, k));
-      }
-    }
-    add(grid.at(0, pole));
-  }
-  // First harmonic of the row next to the pole; on a sphere it is R sin(pi/M2) and the tangent pi R.
-  const auto tangents = [&](int row, double sign) {
-    const double factor = sign * std::numbers::pi / std::sin(std::numbers::pi / m2) * 2.0 / m1;
-    Vec3 a = Vec3::Zero(), b = Vec3::Zero();
-    for (int k = 0; k < m1; ++k) {
-      const double angle = 2.0 * std::numbers::pi * k / m1;
-      a += std::cos(angle) * grid.at(k, row);
-      b += std::sin(angle) * grid.at(k, row);
-    }
-    add(factor * a);
-    add(factor * b);
-  };
-  tangents(1, 1.0);
-  tangents(m2 - 1, -1.0);
-  for (int l = 1; l < m2; ++l) {
-    for (int k = 0; k < m1; ++k) add(grid.at(k, l));
-  }
-  return {model, parameters};
-}
-
 GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunContext& context) {
   const ThreadLimit limit(settings.threads);
   settings.validate();
@@ -369,20 +162,12 @@ GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunCon
   for (const auto& planned : plan) paths.push_back(planned.path);
   check_outputs(paths, settings.overwrite, {file});
   result.input = read_geometry(settings.input);
-  if (result.input.grid && settings.model.kind != ModelKind::spline && settings.model.kind != ModelKind::spline_torus) {
-    throw UsageError(fmt::format(
-        "bad value (--model {}): a grid of points (u_index, v_index) is interpolated by a spline; give --model spline",
-        name_of(settings.model.kind)));
-  }
-  if (!result.input.grid && settings.model.kind != ModelKind::normal && settings.model.kind != ModelKind::spline) {
-    throw UsageError(fmt::format("bad value (--model {}): geometry without a grid is fitted by normal and spline",
-                                 name_of(settings.model.kind)));
-  }
+  check_model(settings.model.kind, result.input);
   for (const auto& warning : result.input.warnings) {
     if (context.warn) context.warn(fmt::format("{}: {}", file.string(), warning));
   }
   clock.start("fit");
-  Fitter(settings, context, result).run();
+  fit_levels(context, result);
   clock.start("measure");
   measure_mesh(result);
   clock.start("write");

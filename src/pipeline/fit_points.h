@@ -65,8 +65,4 @@ GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunCon
 std::string heading_of_fits();
 std::string line_of(const FittedSurface& fitted, double diameter);
 
-/// The spline that interpolates a grid: sphere (rows 0 and M2 are the poles) or torus.
-/// \throws BadData when the grid is too small or its poles are no points.
-Surface interpolate_grid(const PointGrid& grid, SplineTopology topology);
-
 }  // namespace pellicle

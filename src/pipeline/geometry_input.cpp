@@ -143,12 +143,15 @@ GeometryInput from_mesh(const fs::path& path) {
     input.solid = *input.data.surface;
     return input;
   }
-  input.warnings.push_back(
-      fmt::format("the mesh has genus {}: a sphere-like surface covers it with its holes bridged", topology.genus));
-  const PointTree tree(input.data.points);
-  ClosedSolid solid = solid_of_points(input.data.points, point_spacing(tree));
-  input.solid = std::move(solid.surface);
-  input.bridged_mm = solid.closing_mm;
+  // For models that are spheres; the others need none.
+  try {
+    const PointTree tree(input.data.points);
+    ClosedSolid solid = solid_of_points(input.data.points, point_spacing(tree));
+    input.solid = std::move(solid.surface);
+    input.bridged_mm = solid.closing_mm;
+  } catch (const BadData&) {
+    input.solid = {};
+  }
   return input;
 }
 

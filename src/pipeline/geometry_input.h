@@ -15,9 +15,9 @@ struct GeometryInput {
   std::string kind;  ///< "points", "grid", "mesh", "mask"
   std::filesystem::path file;
   GeometryData data;
-  TriangleMesh solid;             ///< closed, outward, of genus 0: the data themselves or a shell laid around them
-  int genus = 0;                  ///< of the data, when they are a closed surface
-  double bridged_mm = 0.0;        ///< gaps up to about this wide were bridged to close `solid`
+  TriangleMesh solid;       ///< closed, outward, of genus 0: the data or a shell around them; empty: none was found
+  int genus = 0;            ///< of the data, when they are a closed surface
+  double bridged_mm = 0.0;  ///< gaps up to about this wide were bridged to close `solid`
   std::optional<PointGrid> grid;  ///< points on a grid of parameters
   std::vector<std::string> warnings;
 };

@@ -1,0 +1,360 @@
+#include "pellicle/fit/level_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/base/interrupt.h"
+#include "pellicle/base/parallel.h"
+#include "pellicle/base/random.h"
+#include "pellicle/energies/bending.h"
+#include "pellicle/energies/geometry.h"
+#include "pellicle/fit/objective.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/point_tree.h"
+
+namespace pellicle {
+
+namespace {
+
+constexpr std::size_t kMostPoints = 60000;  ///< springs of one step; all points are measured
+constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in robust deviations
+constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
+const double kAnchor = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
+const double kOrientation = getenv("FO") ? atof(getenv("FO")) : 1.0;
+const double kFirst = getenv("FIRST") ? atof(getenv("FIRST")) : 10.0;
+const double kStiffen = getenv("STF") ? atof(getenv("STF")) : 4.0;
+const int kRounds = getenv("ROUNDS") ? atoi(getenv("ROUNDS")) : 12;
+
+/// About four samples a control point or more; see knot_layout_of.
+SampleLayout fit_layout(const SurfaceModel& model) {
+  int level = 1;
+  while (level < 6 && control_point_count(model) * std::pow(4.0, level) < 1500.0) ++level;
+  return knot_layout_of(model, level);
+}
+
+/// Ellipsoid-like start: least-squares affine map from the reference shape to the targets.
+Parameters affine_start(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets,
+                        const std::vector<double>& area) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const Eigen::Vector4d r(layout.reference[i].x(), layout.reference[i].y(), layout.reference[i].z(), 1.0);
+    normal += area[i] * r * r.transpose();
+    right += area[i] * r * targets[i].transpose();
+  }
+  const Eigen::Matrix<double, 4, 3> solution = normal.ldlt().solve(right);
+  const Mat3 A = solution.topRows<3>().transpose();
+  const Vec3 centre = solution.row(3).transpose();
+  // A map that folds (limbs may do that) tells no normals: then a ball of the same size.
+  const double size = std::cbrt(std::abs(A.determinant()));
+  const Eigen::JacobiSVD<Mat3> svd(A);
+  const bool sound = A.determinant() > 0.0 && svd.singularValues()[2] > 0.05 * svd.singularValues()[0];
+  return affine_image(model, centre,
+                      sound ? A : Mat3(std::max(size, 0.2 * svd.singularValues()[0]) * Mat3::Identity()));
+}
+
+// Vertices of a normal-subdivision surface lie on it: points and normals are read off the targets.
+void place_vertices(const NormalModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets,
+                    Parameters& parameters) {
+  const std::vector<Vec3> area = area_vectors(layout, targets);
+  for (int v = 0; v < model.vertex_count(); ++v) {
+    const auto at = 6 * static_cast<std::size_t>(v);
+    const Vec3 place(model.reference()[at], model.reference()[at + 1], model.reference()[at + 2]);
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
+      if ((layout.reference[i] - place).squaredNorm() < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
+    }
+    const double length = area[nearest].norm();
+    for (int c = 0; c < 3; ++c) {
+      parameters[at + static_cast<std::size_t>(c)] = targets[nearest][c];
+      if (length > 0.0) parameters[at + 3 + static_cast<std::size_t>(c)] = area[nearest][c] / length;
+    }
+  }
+}
+
+bool is_held_out(std::size_t point) {
+  return RandomEngine(point).next() % 10 == 0;
+}
+
+double rms(const std::vector<Attachment>& at, const std::vector<double>& weights) {
+  double squares = 0.0, total = 0.0;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    squares += weights[k] * at[k].distance * at[k].distance;
+    total += weights[k];
+  }
+  return total > 0.0 ? std::sqrt(squares / total) : 0.0;
+}
+
+std::vector<double> distances_of(const std::vector<Attachment>& at) {
+  std::vector<double> distances;
+  distances.reserve(at.size());
+  for (const Attachment& a : at) distances.push_back(a.distance);
+  return distances;
+}
+
+}  // namespace
+
+double bending_weight(const SurfaceModel& model) {
+  const double degree2 = 0.25 * control_point_count(model);
+  return 0.02 / (degree2 * degree2);
+}
+
+CoarseBending coarse_bending(const SurfaceModel& model, const SampleLayout& layout) {
+  int level = 0;
+  while (level < layout.level && control_point_count(model) * std::pow(4.0, level) < 600.0) ++level;
+  if (level == layout.level) return {bending_rows(layout), {}};
+  const SampleLayout coarse = knot_layout_of(model, level);
+  const PointTree tree(layout.reference);
+  CoarseBending out{bending_rows(coarse), {}};
+  double apart = 0.0;
+  for (const Vec3& place : coarse.reference) {
+    const auto near = tree.nearest(place, 1).front();
+    apart = std::max(apart, near.distance);
+    out.samples.push_back(near.point);
+  }
+  if (apart > 1e-9) return {bending_rows(layout), {}};  // levels that do not share their samples
+  for (int& s : out.rows.sample) s = out.samples[static_cast<std::size_t>(s)];
+  return out;
+}
+
+std::vector<Vec3> targets_at(const SampleLayout& layout, const SphereMap& map, const Mat3& map_from_reference) {
+  const SphereLocator locator(map);
+  std::vector<Vec3> targets;
+  targets.reserve(layout.reference.size());
+  int hint = -1;
+  for (const Vec3& r : layout.reference) {
+    const auto place = locator.locate(map_from_reference * r, hint);
+    hint = place.triangle;
+    targets.push_back(locator.point_at(place));
+  }
+  return targets;
+}
+
+Parameters start_at_targets(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets) {
+  Parameters parameters = affine_start(model, layout, targets, sample_areas(layout, targets));
+  if (const auto* normal = std::get_if<NormalModel>(&model)) place_vertices(*normal, layout, targets, parameters);
+  return parameters;
+}
+
+LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out)
+    : data_(data),
+      settings_(settings),
+      hold_out_(hold_out),
+      surface_(start),
+      layout_(fit_layout(start.model)),
+      fine_(knot_layout_of(start.model, layout_.level + 1)) {
+  if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
+  stiffness_.assign(bending_.rows.size(), 1.0);
+  if (data.surface) {
+    data_surface_ = std::make_unique<ClosestPoint>(*data.surface);
+    const auto& v = data.surface->vertices;
+    for (const auto& t : data.surface->triangles) {
+      const auto at = [&](std::size_t i) { return static_cast<std::size_t>(t[i]); };
+      data_normals_.push_back((v[at(1)] - v[at(0)]).cross(v[at(2)] - v[at(0)]));
+    }
+  }
+  choose_points();
+}
+
+// A fixed choice of the points when there are more than a step needs, and those that take no part.
+void LevelFit::choose_points() {
+  const std::size_t n = data_.points.size();
+  const auto wanted = static_cast<std::size_t>(std::max(8000, 12 * control_point_count(surface_.model)));
+  const std::size_t stride = std::max<std::size_t>(1, n / std::min(kMostPoints, wanted));
+  for (std::size_t k = 0; k < n; ++k) {
+    if (stride > 1 && RandomEngine(k ^ 0x5bd1e995U).next() % stride != 0) continue;
+    if (hold_out_ && is_held_out(k)) {
+      held_out_.push_back(data_.points[k]);
+      continue;
+    }
+    chosen_.push_back(data_.points[k]);
+    given_weight_.push_back(data_.weights.empty() ? 1.0 : data_.weights[k]);
+    if (!data_.normals.empty()) chosen_normal_.push_back(data_.normals[k]);
+    total_weight_ += given_weight_.back();
+  }
+}
+
+std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) const {
+  std::vector<double> weights = given_weight_;
+  if (data_.robust) {
+    const std::vector<double> sound = tukey_weights(distances_of(at), kTukey, kLeastDeviation * data_.diameter);
+    for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
+  }
+  // The other side of a sheet is no match.
+  for (std::size_t k = 0; k < chosen_normal_.size(); ++k) {
+    if (chosen_normal_[k].dot(at[k].normal) < 0.0) weights[k] = 0.0;
+  }
+  return weights;
+}
+
+// Points near a sheet's wrong side count with their distance: a surface that collapses there must not look good.
+double LevelFit::rms_of(const std::vector<Attachment>& at) const {
+  return rms(at, data_.robust ? weights_of(at) : given_weight_);
+}
+
+double LevelFit::held_out_rms(const SurfaceSamples& samples) const {
+  const std::vector<Attachment> at = attach(held_out_, layout_, samples);
+  return rms(at, data_.robust ? tukey_weights(distances_of(at), kTukey, kLeastDeviation * data_.diameter)
+                              : std::vector<double>(at.size(), 1.0));
+}
+
+// Bending with the weight of this model times `factor` and the stiffness of each place.
+void LevelFit::set_bending(double factor) {
+  linear_.reset();
+  operators_.clear();
+  if (bending_.rows.size() > 0) {
+    VectorRows rows = bending_.rows;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const double root = std::sqrt(stiffness_[r]);
+      for (auto k = static_cast<std::size_t>(rows.start[r]); k < static_cast<std::size_t>(rows.start[r + 1]); ++k) {
+        rows.coefficient[k] *= root;
+      }
+    }
+    operators_.push_back(grouped_operator("bending", factor * settings_.smoothness * bending_weight(surface_.model),
+                                          std::move(rows), layout_));
+  }
+  if (layout_.stencils) {
+    linear_ = std::make_unique<LinearSystem>(layout_, surface_.parameters.size() / 3, operators_);
+  }
+}
+
+StepOutcome LevelFit::solve(std::vector<NamedRows> rows) {
+  const StepProblem problem{&surface_.model, &layout_, &operators_, std::move(rows), {}, linear_.get()};
+  Parameters before = surface_.parameters;
+  StepOutcome outcome = solve_step(problem, Solver::least_squares, 6, trust_, surface_.parameters);
+  if (!outcome.usable) surface_.parameters = std::move(before);
+  iterations_ += outcome.iterations;
+  return outcome;
+}
+
+void LevelFit::to_targets(const std::vector<Vec3>& targets) {
+  anchors_ = targets;
+  surface_.parameters = start_at_targets(surface_.model, layout_, targets);
+  const NamedRows pull{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)};
+  set_bending(kFirst);
+  double before = -1.0;
+  for (int k = 0; k < 10; ++k) {
+    check_interrupt();
+    SurfaceSamples samples;
+    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+    NamedRows turn{"orientation", orientation_rows(layout_, samples.x, targets, kOrientation)};
+    double energy = pull.energy(samples.x) + turn.energy(samples.x);
+    for (const auto& op : operators_) energy += op.energy(samples.x);
+    if (before >= 0.0 && energy > 0.99 * before) break;
+    before = energy;
+    if (!solve({pull, std::move(turn)}).usable) break;
+  }
+}
+
+void LevelFit::step() {
+  check_interrupt();
+  SurfaceSamples samples;
+  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+  const std::vector<Attachment> at = attach(chosen_, layout_, samples);
+  const std::vector<double> area = sample_areas(layout_, samples.x);
+  const double share = data_surface_ ? 0.5 : 1.0;
+  std::vector<NamedRows> rows;
+  rows.push_back({"springs", spring_rows(layout_, chosen_, at, weights_of(at), total_weight_, 0.0, share)});
+  if (data_surface_) {
+    rows.push_back({"reverse springs",
+                    reverse_spring_rows(samples, area, *data_surface_, data_normals_, 0.2 * data_.diameter, share)});
+  }
+  const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
+  rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
+  if (!anchors_.empty()) {
+    rows.push_back({"orientation", orientation_rows(layout_, samples.x, anchors_, kOrientation)});
+  }
+  solve(std::move(rows));
+  ++steps_;
+}
+
+// Steps until the residual stops falling. The best of all, the start left aside, is kept.
+void LevelFit::settle(int most_steps) {
+  double best = -1.0;
+  Parameters best_parameters;
+  int poor = 0;
+  reason_ = "step limit";
+  for (int k = 0; k < most_steps; ++k) {
+    step();
+    SurfaceSamples samples;
+    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+    const double here = rms_of(attach(chosen_, layout_, samples));
+    poor = best < 0.0 || here < (1.0 - settings_.improvement) * best ? 0 : poor + 1;
+    if (best < 0.0 || here < best) {
+      best = here;
+      best_parameters = surface_.parameters;
+    }
+    if (poor >= 2) {
+      reason_ = "converged";
+      break;
+    }
+  }
+  if (best >= 0.0) surface_.parameters = std::move(best_parameters);
+}
+
+// Where on the reference shape the facets lie that cut others; returns the number of pairs.
+int LevelFit::cuts_at(const SampleLayout& layout, std::vector<Vec3>& places) const {
+  SurfaceSamples samples;
+  evaluate(surface_.model, surface_.parameters, layout, false, samples);
+  const auto pairs = self_intersections(mesh_of(layout, samples));
+  std::vector<bool> cut(layout.triangles.size(), false);
+  for (const auto& pair : pairs) {
+    for (const int t : pair) cut[static_cast<std::size_t>(t)] = true;
+  }
+  places.clear();
+  for (std::size_t t = 0; t < cut.size(); ++t) {
+    if (!cut[t]) continue;
+    Vec3 place = Vec3::Zero();
+    for (const int v : layout.triangles[t]) place += layout.reference[static_cast<std::size_t>(v)] / 3.0;
+    places.push_back(place);
+  }
+  return static_cast<int>(pairs.size());
+}
+
+void LevelFit::springs() {
+  set_bending(1.0);
+  settle(settings_.max_steps);
+  if (bending_.rows.size() == 0) return;
+  // Within one and a half control edges of a cut the surface is made stiffer.
+  const double control_edge =
+      std::sqrt(sum(sample_areas(layout_, layout_.reference)) / control_point_count(surface_.model));
+  std::vector<Vec3> places;
+  int fewest = cuts_at(fine_, places);
+  Parameters best = surface_.parameters;
+  for (int round = 0; round < kRounds && !places.empty(); ++round) {
+    const PointTree tree(places);
+    for (std::size_t r = 0; r < stiffness_.size(); ++r) {
+      const auto sample =
+          static_cast<std::size_t>(bending_.rows.sample[static_cast<std::size_t>(bending_.rows.start[r])]);
+      if (tree.nearest(layout_.reference[sample], 1).front().distance < 1.5 * control_edge) stiffness_[r] *= kStiffen;
+    }
+    set_bending(1.0);
+    step();
+    step();
+    const int cuts = cuts_at(fine_, places);
+    if (getenv("VERB")) fprintf(stderr, "  round %d cuts %d\n", round, cuts);
+    if (cuts < fewest) {
+      fewest = cuts;
+      best = surface_.parameters;
+    }
+  }
+  surface_.parameters = std::move(best);
+}
+
+PointFit LevelFit::result(double seconds) const {
+  PointFit fit{surface_, {}};
+  fit.summary.control_points = control_point_count(surface_.model);
+  fit.summary.degrees_of_freedom = degrees_of_freedom(surface_.model);
+  fit.summary.steps = steps_;
+  fit.summary.solver_iterations = iterations_;
+  fit.summary.reason = reason_;
+  fit.summary.seconds = seconds;
+  SurfaceSamples samples;
+  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+  fit.summary.inlier_rms = rms_of(attach(chosen_, layout_, samples));
+  if (!held_out_.empty()) fit.summary.held_out_rms = held_out_rms(samples);
+  return fit;
+}
+
+}  // namespace pellicle

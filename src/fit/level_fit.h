@@ -1,0 +1,71 @@
+#pragma once
+/// One model of fixed size, fitted to geometry. For this folder's sources only.
+
+#include <memory>
+#include <vector>
+
+#include "pellicle/energies/springs.h"
+#include "pellicle/fit/linear_system.h"
+#include "pellicle/fit/point_fit.h"
+
+namespace pellicle {
+
+/// Bending over the samples of a coarser layout, enough to see every motion of the control points.
+struct CoarseBending {
+  VectorRows rows;
+  std::vector<int> samples;  ///< of the finer layout, those that the rows use; empty: all
+};
+CoarseBending coarse_bending(const SurfaceModel& model, const SampleLayout& layout);
+
+/// Weight of bending at smoothness 1. A harmonic of degree l bends with l^4/2 (energies/bending.h); the finest that n
+/// control points show has l^2 = n/4. There bending counts a hundredth of what the data do.
+double bending_weight(const SurfaceModel& model);
+
+/// The place on the surface of every sample.
+std::vector<Vec3> targets_at(const SampleLayout& layout, const SphereMap& map, const Mat3& map_from_reference);
+/// The reference shape laid over the targets by the least-squares affine map; vertices of a normal-subdivision surface,
+/// which lie on it, are put on their targets.
+Parameters start_at_targets(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets);
+
+class LevelFit {
+ public:
+  LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out);
+
+  const SampleLayout& layout() const { return layout_; }
+  /// Least squares to one place a sample.
+  void to_targets(const std::vector<Vec3>& targets);
+  /// Springs, attached anew in each step until the residual stops falling; then, where the surface cuts itself, it is
+  /// made stiffer and stiffer around the cut until it does so no longer.
+  void springs();
+  PointFit result(double seconds) const;
+
+ private:
+  void choose_points();
+  std::vector<double> weights_of(const std::vector<Attachment>& at) const;
+  double rms_of(const std::vector<Attachment>& at) const;
+  double held_out_rms(const SurfaceSamples& samples) const;
+  void set_bending(double factor);
+  StepOutcome solve(std::vector<NamedRows> rows);
+  void step();
+  void settle(int most_steps);
+  int cuts_at(const SampleLayout& layout, std::vector<Vec3>& places) const;
+
+  const GeometryData& data_;
+  const PointFitSettings& settings_;
+  bool hold_out_;
+  Surface surface_;
+  SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts
+  std::vector<Vec3> anchors_;   ///< where samples are drawn along the surface; empty: where they are
+  CoarseBending bending_;
+  std::vector<double> stiffness_;  ///< factor of each row of bending
+  std::vector<GroupedOperator> operators_;
+  std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
+  std::unique_ptr<ClosestPoint> data_surface_;
+  std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
+  std::vector<double> given_weight_;
+  double total_weight_ = 0.0, trust_ = 1e4;
+  int steps_ = 0, iterations_ = 0;
+  std::string reason_ = "as started";
+};
+
+}  // namespace pellicle

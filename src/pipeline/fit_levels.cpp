@@ -1,0 +1,273 @@
+#include "pellicle/pipeline/fit_levels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/seed/seed_surface.h"
+#include "pellicle/seed/voxel_seed.h"
+#include "pellicle/surface/spline_interpolation.h"
+
+namespace pellicle {
+
+namespace {
+
+constexpr int kMostByItself = 700;  ///< control points that a fit takes without being told to
+constexpr int kMostForTolerance = 2600;
+constexpr double kWorthwhile = 0.9;  ///< a finer level must bring the left-out points down to this share
+
+double residual_for(const PointFit& fit, ToleranceOf which) {
+  const Residual& r = fit.summary.to_surface;
+  return which == ToleranceOf::rms ? r.rms : which == ToleranceOf::p95 ? r.p95 : r.max;
+}
+
+std::string name_of_size(const SurfaceModel& model) {
+  if (const auto* spline = std::get_if<SplineModel>(&model)) {
+    return fmt::format("{} x {}", spline->settings().m1, spline->settings().m2);
+  }
+  return fmt::format("{} points", control_point_count(model));
+}
+
+SurfaceModel refined(const SurfaceModel& model) {
+  return refine(Surface{model, affine_image(model, Vec3::Zero(), Mat3::Identity())}).model;
+}
+
+bool takes_any_genus(ModelKind kind) {
+  return kind == ModelKind::catmull_clark || kind == ModelKind::slime || kind == ModelKind::normal;
+}
+
+class Levels {
+ public:
+  Levels(const RunContext& context, GeometryFitResult& result)
+      : settings_(result.settings), context_(context), result_(result), data_(result.input.data) {
+    if (settings_.tolerance_mm) tolerance_ = *settings_.tolerance_mm;
+    if (settings_.tolerance_percent) tolerance_ = 0.01 * *settings_.tolerance_percent * data_.diameter;
+    fit_settings_.smoothness = settings_.smoothness;
+  }
+
+  void run() {
+    if (result_.input.grid) {
+      interpolate();
+    } else {
+      prepare();
+      choose();
+    }
+    for (FittedSurface& fitted : result_.tried) judge(fitted);
+  }
+
+ private:
+  /// A size: a model to be laid out on the map, or a surface that is near the data.
+  struct Size {
+    std::optional<SurfaceModel> model;
+    std::optional<Surface> start;
+    const SurfaceModel& of() const { return model ? *model : start->model; }
+  };
+
+  void tell(double share, const std::string& what) const {
+    if (context_.inform) context_.inform(what);
+    if (context_.progress) context_.progress(share, what);
+    check_interrupt();
+  }
+
+  void interpolate() {
+    const bool torus = settings_.model.kind == ModelKind::spline_torus;
+    auto [model, parameters] =
+        interpolate_grid(*result_.input.grid, torus ? SplineTopology::torus : SplineTopology::sphere);
+    PointFit fit{{std::move(model), std::move(parameters)}, {}};
+    fit.summary.control_points = control_point_count(fit.surface.model);
+    fit.summary.degrees_of_freedom = degrees_of_freedom(fit.surface.model);
+    fit.summary.reason = "interpolated";
+    measure_fit(data_, fit);
+    keep(std::move(fit));
+  }
+
+  // Spheres are laid out; everything else starts from voxels of the right genus.
+  void prepare() {
+    const ModelKind kind = settings_.model.kind;
+    from_map_ = kind == ModelKind::spline || (kind == ModelKind::normal && result_.input.genus == 0);
+    if (!from_map_) {
+      tell(0.1, "seeding from voxels");
+      seed_ = seed();
+      return;
+    }
+    tell(0.1, "laying the surface out on a sphere");
+    if (result_.input.solid.triangles.empty()) {
+      throw BadData(
+          fmt::format("cannot fit ({}): a sphere cannot be laid around data of genus {}; give --model "
+                      "catmull-clark or slime",
+                      result_.input.file.string(), result_.input.genus));
+    }
+    if (result_.input.genus > 0) {
+      result_.input.warnings.push_back(fmt::format(
+          "the data have genus {}: a sphere covers them with their holes bridged; --model catmull-clark or slime keeps "
+          "the holes",
+          result_.input.genus));
+      if (context_.warn)
+        context_.warn(fmt::format("{}: {}", result_.input.file.string(), result_.input.warnings.back()));
+    }
+    const SphereMap map = map_to_sphere(result_.input.solid);
+    result_.stretch = map.stretch;
+    SurfaceModel probe = start_model(settings_.model);
+    while (control_point_count(probe) < 60) probe = refined(probe);
+    tell(0.15, "choosing the axis");
+    correspondence_ = choose_axis(map, probe);
+  }
+
+  // The coarsest voxels that show the genus of the data.
+  Surface seed() const {
+    const std::vector<Vec3>& points = data_.points;
+    double spacing = coarsest_spacing(points);
+    std::optional<VoxelSeed> first;
+    for (int k = 0; k < 8; ++k, spacing /= std::sqrt(2.0)) {
+      VoxelSeed voxels = voxel_seed_of_points(points, spacing);
+      if (voxels.genus == result_.input.genus) return *seed_surface(voxels.mesh, settings_.model);
+      if (!first) first = std::move(voxels);
+    }
+    return *seed_surface(first->mesh, settings_.model);
+  }
+
+  Size start() const {
+    if (from_map_) return {start_model(settings_.model), {}};
+    return {{}, seed_};
+  }
+
+  // Of a seeded surface the finer one starts from the fitted coarser one.
+  Size finer(const Size& size, const PointFit* fitted) const {
+    if (size.model) return {refined(*size.model), {}};
+    return {{}, refine(fitted != nullptr ? fitted->surface : *size.start)};
+  }
+
+  PointFit one(const Size& size, bool hold_out) {
+    tell(std::min(0.8, 0.2 + 0.1 * static_cast<double>(result_.tried.size())), "fitting " + name_of_size(size.of()));
+    PointFit fit = size.model ? fit_to_map(*size.model, data_, *correspondence_, fit_settings_, hold_out)
+                              : fit_from(*size.start, data_, fit_settings_, hold_out);
+    measure_fit(data_, fit);
+    return fit;
+  }
+
+  static Size spline_of(int m1, int m2) {
+    SplineSettings spline;
+    spline.m1 = m1;
+    spline.m2 = m2;
+    return {SplineModel(spline), {}};
+  }
+
+  void choose() {
+    if (!settings_.ladder.empty()) {
+      for (const int m : settings_.ladder) keep(one(spline_of(m, m), false));
+      result_.chosen = result_.tried.size() - 1;
+    } else if (settings_.size) {
+      keep(one(spline_of((*settings_.size)[0], (*settings_.size)[1]), false));
+    } else if (tolerance_) {
+      until_tolerance();
+    } else if (settings_.detail) {
+      at_detail(*settings_.detail);
+    } else {
+      by_left_out_points();
+    }
+  }
+
+  void at_detail(int detail) {
+    Size size = start();
+    for (int k = 0; k < detail; ++k) {
+      if (size.model) {
+        size = finer(size, nullptr);
+      } else {
+        const PointFit coarse = one(size, false);
+        size = finer(size, &coarse);
+      }
+    }
+    keep(one(size, false));
+  }
+
+  void until_tolerance() {
+    std::size_t best = 0;
+    Size size = start();
+    for (int detail = 0;; ++detail) {
+      if (settings_.detail ? detail > *settings_.detail : control_point_count(size.of()) > kMostForTolerance) break;
+      keep(one(size, false));
+      const PointFit& here = result_.tried.back().fit;
+      const double residual = residual_for(here, settings_.tolerance_of);
+      if (residual < residual_for(result_.tried[best].fit, settings_.tolerance_of)) best = result_.tried.size() - 1;
+      if (residual <= *tolerance_) break;
+      size = finer(size, &here);
+    }
+    result_.chosen = best;
+  }
+
+  void by_left_out_points() {
+    const int most = std::clamp(static_cast<int>(data_.points.size() / 3), 10, kMostByItself);
+    Size size = start(), chosen = size;
+    double best = -1.0;
+    for (int poor = 0; poor < 2 && (best < 0.0 || control_point_count(size.of()) <= most);) {
+      const PointFit fit = one(size, true);
+      const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
+      poor = better ? 0 : poor + 1;
+      if (better) {
+        best = fit.summary.held_out_rms;
+        chosen = size;
+      }
+      if (best < 1e-6 * data_.diameter) break;
+      size = finer(size, &fit);
+    }
+    PointFit last = one(chosen, false);
+    last.summary.held_out_rms = best;
+    keep(std::move(last));
+  }
+
+  void keep(PointFit fit) {
+    std::string name = name_of_size(fit.surface.model);
+    result_.tried.push_back({std::move(name), std::move(fit), "", ""});
+  }
+
+  void judge(FittedSurface& fitted) const {
+    fitted.status = "ok";
+    fitted.reason = fitted.fit.summary.reason;
+    const double residual = residual_for(fitted.fit, settings_.tolerance_of);
+    if (tolerance_ && residual > *tolerance_) {
+      fitted.status = "tolerance_missed";
+      fitted.reason = fmt::format("the residual is {:.4g} mm, {:.4g} mm were asked for", residual, *tolerance_);
+    }
+    if (fitted.fit.summary.self_intersections > 0) {
+      fitted.status = "folded";
+      fitted.reason = fmt::format("the surface cuts itself: {} pairs of facets", fitted.fit.summary.self_intersections);
+    }
+  }
+
+  const GeometryFitSettings& settings_;
+  const RunContext& context_;
+  GeometryFitResult& result_;
+  const GeometryData& data_;
+  std::optional<double> tolerance_;
+  PointFitSettings fit_settings_;
+  bool from_map_ = true;
+  std::optional<Correspondence> correspondence_;
+  std::optional<Surface> seed_;
+};
+
+}  // namespace
+
+void check_model(ModelKind kind, const GeometryInput& input) {
+  const bool spline_grid = kind == ModelKind::spline || kind == ModelKind::spline_torus;
+  if (input.grid && !spline_grid) {
+    throw UsageError(
+        fmt::format("bad value (--model {}): a grid of points (u_index, v_index) is interpolated by a "
+                    "spline; give --model spline or spline-torus",
+                    name_of(kind)));
+  }
+  if (!input.grid && kind != ModelKind::spline && !takes_any_genus(kind)) {
+    throw UsageError(
+        fmt::format("bad value (--model {}): points without a grid are fitted by normal, spline, "
+                    "catmull-clark and slime",
+                    name_of(kind)));
+  }
+}
+
+void fit_levels(const RunContext& context, GeometryFitResult& result) {
+  Levels(context, result).run();
+}
+
+}  // namespace pellicle

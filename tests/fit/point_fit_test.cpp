@@ -1,0 +1,181 @@
+// Fits to geometry: exact shapes, invariance, detail, noise, outliers, holes.
+#include "pellicle/fit/point_fit.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/base/random.h"
+#include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/seed/seed_surface.h"
+#include "pellicle/seed/voxel_seed.h"
+
+#include "../mesh/test_meshes.h"
+
+namespace pellicle {
+namespace {
+
+GeometryData data_of(const TriangleMesh& mesh, int points = 3000) {
+  GeometryData data;
+  data.points = sample_surface(mesh, points);
+  const ClosestPoint on(mesh);
+  for (const Vec3& x : data.points) {
+    const auto& t = mesh.triangles[static_cast<std::size_t>(on.query(x).triangle)];
+    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    data.normals.push_back((at(1) - at(0)).cross(at(2) - at(0)));
+  }
+  data.surface = mesh;
+  data.robust = false;
+  data.diameter = diameter_of(mesh.vertices);
+  return data;
+}
+
+GeometryData cloud_of(std::vector<Vec3> points) {
+  GeometryData data;
+  data.points = std::move(points);
+  data.diameter = diameter_of(data.points);
+  return data;
+}
+
+SurfaceModel model_of(ModelKind kind, int detail) {
+  ModelChoice choice;
+  choice.kind = kind;
+  Surface surface{start_model(choice), {}};
+  surface.parameters = affine_image(surface.model, Vec3::Zero(), Mat3::Identity());
+  for (int k = 0; k < detail; ++k) surface = refine(surface);
+  return surface.model;
+}
+
+PointFit fitted(ModelKind kind, int detail, const GeometryData& data, const TriangleMesh& solid,
+                bool hold_out = false) {
+  PointFit fit = fit_to_map(model_of(kind, detail), data, {map_to_sphere(solid), Mat3::Identity()}, {}, hold_out);
+  measure_fit(data, fit);
+  return fit;
+}
+
+TriangleMesh ellipsoid(int level) {
+  return test::moved(test::sphere(level, 1.0), [](const Vec3& n) -> Vec3 {
+    return Vec3(40, -10, 5) +
+           Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * Vec3(10 * n.x(), 15 * n.y(), 20 * n.z());
+  });
+}
+
+/// Bent, with a waist: nothing that a model of few points has exactly.
+TriangleMesh bean(int level) {
+  return test::moved(test::sphere(level, 1.0), [](const Vec3& n) -> Vec3 {
+    const double waist = 1.0 - 0.45 * std::exp(-6.0 * n.z() * n.z());
+    return {10.0 * waist * n.x() + 6.0 * n.z() * n.z(), 10.0 * waist * n.y(), 20.0 * n.z()};
+  });
+}
+
+TEST(DiameterOf, IsTheLargestDistance) {
+  EXPECT_NEAR(diameter_of(test::sphere(3, 5.0, Vec3(100, 0, 0)).vertices), 10.0, 0.05);
+  EXPECT_EQ(diameter_of({Vec3(1, 2, 3)}), 0.0);
+}
+
+class Kinds : public testing::TestWithParam<ModelKind> {};
+
+TEST_P(Kinds, EllipsoidsAreMetToTheirFacets) {
+  const TriangleMesh mesh = ellipsoid(4);
+  const PointFit fit = fitted(GetParam(), 1, data_of(mesh), mesh);
+  // The facets of the data themselves miss the ellipsoid by 0.1 % of the diameter.
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.002 * 40.0) << fit.summary.to_surface.rms;
+  EXPECT_EQ(fit.summary.self_intersections, 0U);
+}
+
+TEST_P(Kinds, MoreDetailLeavesLess) {
+  const TriangleMesh mesh = bean(4);
+  const GeometryData data = data_of(mesh);
+  double before = 1e300;
+  for (const int detail : {0, 1, 2}) {
+    const PointFit fit = fitted(GetParam(), detail, data, mesh);
+    EXPECT_TRUE(fit.summary.to_surface.rms < 0.8 * before) << detail;
+    EXPECT_TRUE(fit.summary.to_data.rms < 3.0 * fit.summary.to_surface.rms + 1e-3 * data.diameter) << detail;
+    before = fit.summary.to_surface.rms;
+  }
+  EXPECT_TRUE(before <= 0.01 * data.diameter) << before;
+}
+
+TEST_P(Kinds, KnowNoPlaceNoSizeAndNoTurn) {
+  const TriangleMesh mesh = bean(3);
+  const PointFit here = fitted(GetParam(), 1, data_of(mesh, 1500), mesh);
+  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, -1, 2).normalized()).toRotationMatrix();
+  const double size = 0.013;
+  const TriangleMesh moved =
+      test::moved(mesh, [&](const Vec3& x) -> Vec3 { return Vec3(3, 900, -70) + size * (turn * x); });
+  const PointFit there = fitted(GetParam(), 1, data_of(moved, 1500), moved);
+  EXPECT_NEAR(there.summary.to_surface.rms / (size * here.summary.to_surface.rms), 1.0, 0.05);
+}
+
+TEST_P(Kinds, NoiseAndOutliersMoveItLittle) {
+  const TriangleMesh mesh = bean(4);
+  std::vector<Vec3> points = sample_surface(mesh, 3000);
+  RandomEngine random(9);
+  for (Vec3& x : points) x += 0.2 * Vec3(random.normal(), random.normal(), random.normal());
+  for (int i = 0; i < 150; ++i)
+    points.emplace_back(random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-30, 30));
+  GeometryData data = cloud_of(points);
+  data.diameter = diameter_of(mesh.vertices);
+  const PointFit fit = fitted(GetParam(), 2, data, mesh);
+  const SurfaceDistances d = surface_distances(measuring_mesh(fit.surface), mesh, 0.2, 4000);
+  EXPECT_TRUE(d.assd <= 0.15) << d.assd;  // less than the noise itself
+}
+
+TEST_P(Kinds, AHoleIsHeldBySmoothness) {
+  const TriangleMesh mesh = ellipsoid(4);
+  std::vector<Vec3> points = sample_surface(mesh, 4000);
+  std::erase_if(points, [](const Vec3& x) { return x.z() > 15.0; });
+  GeometryData data = cloud_of(points);
+  const PointFit fit = fitted(GetParam(), 1, data, mesh);
+  const SurfaceDistances d = surface_distances(measuring_mesh(fit.surface), mesh, 0.2, 4000);
+  EXPECT_TRUE(d.hd <= 0.06 * 40.0) << d.hd;
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Kinds, testing::Values(ModelKind::normal, ModelKind::spline));
+
+TEST(FitToMap, LeavesPointsOutWhenAsked) {
+  const TriangleMesh mesh = bean(3);
+  const GeometryData data = data_of(mesh, 1500);
+  EXPECT_TRUE(fitted(ModelKind::spline, 1, data, mesh, true).summary.held_out_rms > 0.0);
+  EXPECT_EQ(fitted(ModelKind::spline, 1, data, mesh, false).summary.held_out_rms, -1.0);
+}
+
+TEST(FitToMap, IsTheSameTwice) {
+  const TriangleMesh mesh = bean(3);
+  const GeometryData data = data_of(mesh, 1500);
+  EXPECT_EQ(fitted(ModelKind::spline, 1, data, mesh).surface.parameters,
+            fitted(ModelKind::spline, 1, data, mesh).surface.parameters);
+}
+
+TEST(ChooseAxis, ReturnsARotation) {
+  const Correspondence c = choose_axis(map_to_sphere(bean(3)), model_of(ModelKind::spline, 1));
+  EXPECT_NEAR(c.map_from_reference.determinant(), 1.0, 1e-12);
+  EXPECT_LE((c.map_from_reference * c.map_from_reference.transpose() - Mat3::Identity()).norm(), 1e-12);
+}
+
+TEST(FitFrom, AnyGenusFromVoxels) {
+  const TriangleMesh mesh = test::torus(60, 30, 15.0, 5.0);
+  ModelChoice choice;
+  choice.kind = ModelKind::catmull_clark;
+  const GeometryData data = data_of(mesh);
+  const VoxelSeed voxels = voxel_seed_of_points(data.points, 4.0);
+  ASSERT_EQ(voxels.genus, 1);
+  PointFit fit = fit_from(*seed_surface(voxels.mesh, choice), data, {}, false);
+  measure_fit(data, fit);
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * data.diameter) << fit.summary.to_surface.rms;
+  EXPECT_EQ(topology_of(measuring_mesh(fit.surface)).genus, 1);
+}
+
+TEST(FitFrom, PullsASurfaceThatIsNear) {
+  const TriangleMesh mesh = ellipsoid(4);
+  const SurfaceModel model = model_of(ModelKind::spline, 1);
+  const Surface start{model, affine_image(model, Vec3(40, -10, 5), 14.0 * Mat3::Identity())};
+  PointFit fit = fit_from(start, data_of(mesh), {}, false);
+  measure_fit(data_of(mesh), fit);
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.002 * 40.0) << fit.summary.to_surface.rms;
+}
+
+}  // namespace
+}  // namespace pellicle
