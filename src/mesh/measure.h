@@ -38,5 +38,7 @@ MeshTopology topology_of(const TriangleMesh& mesh);
 /// another point too. Pairs that share an edge are neighbours and never count. Vertices are the same when their
 /// coordinates are (candidates from Embree's collision, then an exact test).
 std::size_t self_intersection_count(const TriangleMesh& mesh);
+/// The pairs themselves, the lower facet first, in ascending order.
+std::vector<std::array<int, 2>> self_intersections(const TriangleMesh& mesh);
 
 }  // namespace pellicle

@@ -72,9 +72,9 @@ bool cut(const TriangleMesh& mesh, std::size_t first, std::size_t second) {
 
 }  // namespace
 
-std::size_t self_intersection_count(const TriangleMesh& mesh) {
+std::vector<std::array<int, 2>> self_intersections(const TriangleMesh& mesh) {
   check_indices(mesh);
-  if (mesh.triangles.size() < 2) return 0;
+  if (mesh.triangles.size() < 2) return {};
   EmbreeScene embree;
   RTCGeometry geometry = rtcNewGeometry(embree.device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
@@ -94,7 +94,15 @@ std::size_t self_intersection_count(const TriangleMesh& mesh) {
       hit[i] = cut(mesh, static_cast<std::size_t>(pairs[i] >> 32), static_cast<std::size_t>(pairs[i] & 0xffffffffU));
     }
   });
-  return static_cast<std::size_t>(std::count(hit.begin(), hit.end(), 1));
+  std::vector<std::array<int, 2>> out;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (hit[i] != 0) out.push_back({static_cast<int>(pairs[i] >> 32), static_cast<int>(pairs[i] & 0xffffffffU)});
+  }
+  return out;
+}
+
+std::size_t self_intersection_count(const TriangleMesh& mesh) {
+  return self_intersections(mesh).size();
 }
 
 }  // namespace pellicle
