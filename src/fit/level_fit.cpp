@@ -21,8 +21,7 @@ constexpr std::size_t kMostPoints = 60000;  ///< springs of one step; all points
 constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in robust deviations
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 const double kAnchor = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
-const double kOrientation = getenv("FO") ? atof(getenv("FO")) : 1.0;
-const double kFirst = getenv("FIRST") ? atof(getenv("FIRST")) : 10.0;
+constexpr int kHoldBacks = 6;
 const double kStiffen = getenv("STF") ? atof(getenv("STF")) : 4.0;
 const int kRounds = getenv("ROUNDS") ? atoi(getenv("ROUNDS")) : 12;
 
@@ -143,7 +142,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       hold_out_(hold_out),
       surface_(start),
       layout_(fit_layout(start.model)),
-      fine_(knot_layout_of(start.model, layout_.level + 1)) {
+      fine_(layout_of(start.model, measuring_level(start.model))) {
   if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
   stiffness_.assign(bending_.rows.size(), 1.0);
   if (data.surface) {
@@ -232,18 +231,34 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
   anchors_ = targets;
   surface_.parameters = start_at_targets(surface_.model, layout_, targets);
   const NamedRows pull{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)};
-  set_bending(kFirst);
-  double before = -1.0;
-  for (int k = 0; k < 10; ++k) {
+  for (int round = 0;; ++round) {
     check_interrupt();
-    SurfaceSamples samples;
-    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-    NamedRows turn{"orientation", orientation_rows(layout_, samples.x, targets, kOrientation)};
-    double energy = pull.energy(samples.x) + turn.energy(samples.x);
-    for (const auto& op : operators_) energy += op.energy(samples.x);
-    if (before >= 0.0 && energy > 0.99 * before) break;
-    before = energy;
-    if (!solve({pull, std::move(turn)}).usable) break;
+    set_bending(1.0);
+    const int steps = linear_ ? 1 : round == 0 ? 6 : 2;
+    for (int k = 0; k < steps; ++k) {
+      if (!solve({pull}).usable) break;
+    }
+    const Cuts cuts = cuts_of(surface_.parameters);
+    cut_ = cuts.pairs > 0;
+    if (getenv("VERB")) {
+      SurfaceSamples samples;
+      evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+      fprintf(stderr, "  target round %d pull %.4f%% cuts %d\n", round, 100 * std::sqrt(pull.energy(samples.x)) / data_.diameter, cuts.pairs);
+    }
+    if (!cut_ || round == kRounds || bending_.rows.size() == 0) return;
+    stiffen(cuts.places);
+  }
+}
+
+// Within one and a half control edges of the cuts.
+void LevelFit::stiffen(const std::vector<Vec3>& places) {
+  const double control_edge =
+      std::sqrt(sum(sample_areas(layout_, layout_.reference)) / control_point_count(surface_.model));
+  const PointTree tree(places);
+  for (std::size_t r = 0; r < stiffness_.size(); ++r) {
+    const auto sample =
+        static_cast<std::size_t>(bending_.rows.sample[static_cast<std::size_t>(bending_.rows.start[r])]);
+    if (tree.nearest(layout_.reference[sample], 1).front().distance < 1.5 * control_edge) stiffness_[r] *= kStiffen;
   }
 }
 
@@ -262,24 +277,46 @@ void LevelFit::step() {
   }
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
-  if (!anchors_.empty()) {
-    rows.push_back({"orientation", orientation_rows(layout_, samples.x, anchors_, kOrientation)});
-  }
+  const Parameters before = surface_.parameters;
   solve(std::move(rows));
+  if (!cut_) hold_back(before);
   ++steps_;
 }
 
+// Where the step made the surface cut itself it is taken back, half and half again, with all blocks that reach there.
+void LevelFit::hold_back(const Parameters& before) {
+  const Parameters after = surface_.parameters;
+  const std::vector<BlockKind> kinds = blocks_of(surface_.model);
+  std::vector<double> share(kinds.size(), 1.0);
+  for (int attempt = 0; attempt < kHoldBacks; ++attempt) {
+    const Cuts cuts = cuts_of(surface_.parameters);
+    if (getenv("VERB")) fprintf(stderr, "    hold back %d: %d cuts\n", attempt, cuts.pairs);
+    if (cuts.pairs == 0) return;
+    for (const int b : cuts.blocks) share[static_cast<std::size_t>(b)] *= attempt < 3 ? 0.5 : 0.0;
+    for (std::size_t b = 0; b < kinds.size(); ++b) {
+      Eigen::Map<const Vec3> from(before.data() + 3 * b), to(after.data() + 3 * b);
+      Eigen::Map<Vec3> out(surface_.parameters.data() + 3 * b);
+      out = from + share[b] * (to - from);
+      if (kinds[b] == BlockKind::unit_normal) out.normalize();
+    }
+  }
+  if (cuts_of(surface_.parameters).pairs > 0) surface_.parameters = before;
+}
+
 // Steps until the residual stops falling. The best of all, the start left aside, is kept.
-void LevelFit::settle(int most_steps) {
+void LevelFit::springs() {
+  set_bending(1.0);
+  if (anchors_.empty()) cut_ = cuts_of(surface_.parameters).pairs > 0;
   double best = -1.0;
   Parameters best_parameters;
   int poor = 0;
   reason_ = "step limit";
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < settings_.max_steps; ++k) {
     step();
     SurfaceSamples samples;
     evaluate(surface_.model, surface_.parameters, layout_, false, samples);
     const double here = rms_of(attach(chosen_, layout_, samples));
+    if (getenv("VERB")) { double b = 0; for (auto& o : operators_) b += o.energy(samples.x); fprintf(stderr, "  step %d rms %.4f%% bend %.3e\n", k, 100 * here / data_.diameter, std::sqrt(b) / data_.diameter * 100); }
     poor = best < 0.0 || here < (1.0 - settings_.improvement) * best ? 0 : poor + 1;
     if (best < 0.0 || here < best) {
       best = here;
@@ -293,53 +330,27 @@ void LevelFit::settle(int most_steps) {
   if (best >= 0.0) surface_.parameters = std::move(best_parameters);
 }
 
-// Where on the reference shape the facets lie that cut others; returns the number of pairs.
-int LevelFit::cuts_at(const SampleLayout& layout, std::vector<Vec3>& places) const {
+LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {
   SurfaceSamples samples;
-  evaluate(surface_.model, surface_.parameters, layout, false, samples);
-  const auto pairs = self_intersections(mesh_of(layout, samples));
-  std::vector<bool> cut(layout.triangles.size(), false);
+  evaluate(surface_.model, parameters, fine_, false, samples);
+  const auto pairs = self_intersections(mesh_of(fine_, samples));
+  Cuts cuts;
+  cuts.pairs = static_cast<int>(pairs.size());
+  std::vector<bool> met(blocks_of(surface_.model).size(), false);
   for (const auto& pair : pairs) {
-    for (const int t : pair) cut[static_cast<std::size_t>(t)] = true;
-  }
-  places.clear();
-  for (std::size_t t = 0; t < cut.size(); ++t) {
-    if (!cut[t]) continue;
-    Vec3 place = Vec3::Zero();
-    for (const int v : layout.triangles[t]) place += layout.reference[static_cast<std::size_t>(v)] / 3.0;
-    places.push_back(place);
-  }
-  return static_cast<int>(pairs.size());
-}
-
-void LevelFit::springs() {
-  set_bending(1.0);
-  settle(settings_.max_steps);
-  if (bending_.rows.size() == 0) return;
-  // Within one and a half control edges of a cut the surface is made stiffer.
-  const double control_edge =
-      std::sqrt(sum(sample_areas(layout_, layout_.reference)) / control_point_count(surface_.model));
-  std::vector<Vec3> places;
-  int fewest = cuts_at(fine_, places);
-  Parameters best = surface_.parameters;
-  for (int round = 0; round < kRounds && !places.empty(); ++round) {
-    const PointTree tree(places);
-    for (std::size_t r = 0; r < stiffness_.size(); ++r) {
-      const auto sample =
-          static_cast<std::size_t>(bending_.rows.sample[static_cast<std::size_t>(bending_.rows.start[r])]);
-      if (tree.nearest(layout_.reference[sample], 1).front().distance < 1.5 * control_edge) stiffness_[r] *= kStiffen;
-    }
-    set_bending(1.0);
-    step();
-    step();
-    const int cuts = cuts_at(fine_, places);
-    if (getenv("VERB")) fprintf(stderr, "  round %d cuts %d\n", round, cuts);
-    if (cuts < fewest) {
-      fewest = cuts;
-      best = surface_.parameters;
+    for (const int t : pair) {
+      const auto& corners = fine_.triangles[static_cast<std::size_t>(t)];
+      for (const int v : corners) {
+        const auto patch = static_cast<std::size_t>(fine_.patch_of[static_cast<std::size_t>(v)]);
+        for (const int b : fine_.patches[patch].blocks) met[static_cast<std::size_t>(b)] = true;
+      }
+      if (!fine_.reference.empty()) cuts.places.push_back(fine_.reference[static_cast<std::size_t>(corners[0])]);
     }
   }
-  surface_.parameters = std::move(best);
+  for (std::size_t b = 0; b < met.size(); ++b) {
+    if (met[b]) cuts.blocks.push_back(static_cast<int>(b));
+  }
+  return cuts;
 }
 
 PointFit LevelFit::result(double seconds) const {

@@ -47,8 +47,15 @@ class LevelFit {
   void set_bending(double factor);
   StepOutcome solve(std::vector<NamedRows> rows);
   void step();
-  void settle(int most_steps);
-  int cuts_at(const SampleLayout& layout, std::vector<Vec3>& places) const;
+  /// Where the surface cuts itself.
+  struct Cuts {
+    int pairs = 0;             ///< of facets
+    std::vector<Vec3> places;  ///< on the reference shape
+    std::vector<int> blocks;   ///< that reach these facets, ascending
+  };
+  Cuts cuts_of(const Parameters& parameters) const;
+  void stiffen(const std::vector<Vec3>& places);
+  void hold_back(const Parameters& before);
 
   const GeometryData& data_;
   const PointFitSettings& settings_;
@@ -65,6 +72,7 @@ class LevelFit {
   std::vector<double> given_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;
   int steps_ = 0, iterations_ = 0;
+  bool cut_ = false;  ///< it cuts itself already
   std::string reason_ = "as started";
 };
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,7 @@ class LinearSystem {
   using Matrix = Eigen::SparseMatrix<double>;
   bool add_operators(const Parameters& parameters, Eigen::VectorXd& gradient);
   bool add_row(const ScalarRows& rows, std::size_t row, const Parameters& parameters, Eigen::VectorXd& gradient);
+  std::optional<Eigen::VectorXd> solved_for(const Eigen::VectorXd& right);
   bool add_block(int row_block, int column_block, const Mat3& value);
 
   const SampleLayout& layout_;
@@ -37,6 +39,7 @@ class LinearSystem {
   std::vector<int> start_, at_;  ///< pattern: the row blocks at or below the diagonal of each column block, ascending
   Matrix normal_;                ///< lower half of the normal matrix, with the pattern's entries only
   Eigen::SimplicialLLT<Matrix> factor_;
+  bool analysed_ = false;
   std::vector<std::pair<int, Vec3>> derivative_;  ///< of one row by its blocks; room that is used again
 };
 

@@ -94,10 +94,14 @@ PointFit fit_from(const Surface& start, const GeometryData& data, const PointFit
   return fit.result(seconds_since(begin));
 }
 
-TriangleMesh measuring_mesh(const Surface& surface) {
+int measuring_level(const SurfaceModel& model) {
   int level = 6;
-  while (level > 2 && base_facets(surface.model) * std::pow(4.0, level) > 250000.0) --level;
-  return tessellate(surface, level);
+  while (level > 2 && base_facets(model) * std::pow(4.0, level) > 100000.0) --level;
+  return level;
+}
+
+TriangleMesh measuring_mesh(const Surface& surface) {
+  return tessellate(surface, measuring_level(surface.model));
 }
 
 namespace {

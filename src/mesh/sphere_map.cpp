@@ -31,6 +31,7 @@ double det(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// What one triangle of the surface asks for: constant while vertices move on the sphere.
 struct TriangleCost {
   double area = 0.0;
+  double dirichlet = 0.0;  ///< weight over 8 times the plain area
   std::array<double, 3> opposite2{};  ///< squared length of the side opposite to each corner
 };
 
@@ -38,6 +39,7 @@ struct TriangleCost {
 struct Wedge {
   Vec3 a, b, cross;  ///< cross = a x b: det = cross . p
   double area, p2, a2, b2;
+  double dirichlet;  ///< factor of N in the energy of the inverse map
 };
 
 /// Stretch of the triangles around p. E_T = A N/(2 D^2), D = det(p, a, b), N = sum of (cosine terms at a corner) x
@@ -51,7 +53,7 @@ class Star {
     for (const Wedge& w : wedges) {
       const double D = w.cross.dot(p);
       if (!(D > kLeast)) return std::numeric_limits<double>::infinity();
-      total += w.area * numerator(w, p) / (2.0 * D * D);
+      total += numerator(w, p) * (w.area / (2.0 * D * D) + w.dirichlet);
     }
     return total;
   }
@@ -63,7 +65,8 @@ class Star {
     for (const Wedge& w : wedges) {
       const double D = w.cross.dot(p), N = numerator(w, p), c = 0.5 * w.area / (D * D);
       const Vec3 dN = w.p2 * (2.0 * p - w.a - w.b) + w.a2 * (w.b - w.a) + w.b2 * (w.a - w.b);
-      gradient += c * (dN - 2.0 * N / D * w.cross);
+      gradient += c * (dN - 2.0 * N / D * w.cross) + w.dirichlet * dN;
+      hessian += 2.0 * w.dirichlet * w.p2 * Mat3::Identity();
       hessian += c * (2.0 * w.p2 * Mat3::Identity() - 2.0 / D * (dN * w.cross.transpose() + w.cross * dN.transpose()) +
                       6.0 * N / (D * D) * w.cross * w.cross.transpose());
     }
@@ -144,6 +147,9 @@ class Mapper {
     cost.area = 0.5 * (b - a).cross(d - a).norm() + kShare * mean_area;
     cost.opposite2 = {(d - b).squaredNorm() + kShare * mean_area, (a - d).squaredNorm() + kShare * mean_area,
                       (b - a).squaredNorm() + kShare * mean_area};
+    const double scale2 = area_ / (4.0 * std::numbers::pi);
+    static const double mu = getenv("MU") ? atof(getenv("MU")) : 0.0;
+    cost.dirichlet = mu * scale2 * scale2 / (8.0 * cost.area);
     // E is least when shares go with the root of the weight.
     cost.area *= (importance_[idx(c[0])] + importance_[idx(c[1])] + importance_[idx(c[2])]) / 3.0;
     return cost;
@@ -171,7 +177,7 @@ class Mapper {
       const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
       const TriangleCost cost = cost_of(t, mean_area());
       const Vec3 &a = place_[idx(c[j])], &b = place_[idx(c[k])];
-      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k]});
+      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k], cost.dirichlet});
     }
     return star;
   }
@@ -279,7 +285,7 @@ class Mapper {
       const TriangleCost cost = cost_of(t, 0.0);
       const Vec3 &p = place_[idx(c[0])], &a = place_[idx(c[1])], &b = place_[idx(c[2])];
       Star star;
-      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2]});
+      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2], 0.0});
       energy += star.energy(p);
       area += cost.area;
       if (!(spherical_area(p, a, b) > 0.0))
@@ -373,7 +379,8 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
     }
     used.triangles.push_back(renumbered);
   }
-  return Mapper(used, settings).run();
+  SphereMapSettings st = settings; if (getenv("FAIR")) st.fairness = atof(getenv("FAIR"));
+  return Mapper(used, st).run();
 }
 
 SphereLocator::SphereLocator(const SphereMap& map) : map_(map), across_(map.mesh.triangles.size()) {

@@ -39,7 +39,9 @@ TEST(Attach, SeesTheSmoothSphereThroughItsFacets) {
       EXPECT_NEAR(at[k].barycentric.sum(), 1.0, 1e-12);
       EXPECT_GE(at[k].barycentric.minCoeff(), 0.0);
     }
-    if (before > 0.0) EXPECT_TRUE(worst < before / 6.0) << worst << " after " << before;
+    if (before > 0.0) {
+      EXPECT_TRUE(worst < before / 6.0) << worst << " after " << before;
+    }
     before = worst;
   }
   EXPECT_TRUE(before < 2e-3) << before;
