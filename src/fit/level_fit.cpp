@@ -22,8 +22,6 @@ constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in ro
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 const double kAnchor = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
 constexpr int kHoldBacks = 6;
-const double kStiffen = getenv("STF") ? atof(getenv("STF")) : 4.0;
-const int kRounds = getenv("ROUNDS") ? atoi(getenv("ROUNDS")) : 12;
 
 /// About four samples a control point or more; see knot_layout_of.
 SampleLayout fit_layout(const SurfaceModel& model) {
@@ -144,8 +142,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       layout_(fit_layout(start.model)),
       fine_(layout_of(start.model, measuring_level(start.model))) {
   if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
-  stiffness_.assign(bending_.rows.size(), 1.0);
-  if (data.surface) {
+    if (data.surface) {
     data_surface_ = std::make_unique<ClosestPoint>(*data.surface);
     const auto& v = data.surface->vertices;
     for (const auto& t : data.surface->triangles) {
@@ -198,20 +195,13 @@ double LevelFit::held_out_rms(const SurfaceSamples& samples) const {
                               : std::vector<double>(at.size(), 1.0));
 }
 
-// Bending with the weight of this model times `factor` and the stiffness of each place.
+// Bending with the weight of this model times `factor`.
 void LevelFit::set_bending(double factor) {
   linear_.reset();
   operators_.clear();
   if (bending_.rows.size() > 0) {
-    VectorRows rows = bending_.rows;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const double root = std::sqrt(stiffness_[r]);
-      for (auto k = static_cast<std::size_t>(rows.start[r]); k < static_cast<std::size_t>(rows.start[r + 1]); ++k) {
-        rows.coefficient[k] *= root;
-      }
-    }
     operators_.push_back(grouped_operator("bending", factor * settings_.smoothness * bending_weight(surface_.model),
-                                          std::move(rows), layout_));
+                                          bending_.rows, layout_));
   }
   if (layout_.stencils) {
     linear_ = std::make_unique<LinearSystem>(layout_, surface_.parameters.size() / 3, operators_);
@@ -227,38 +217,33 @@ StepOutcome LevelFit::solve(std::vector<NamedRows> rows) {
   return outcome;
 }
 
+// The stiffer, the more it is the ellipsoid that never cuts itself: as stiff as it takes at first, and then as loose as
+// asked for, held back where it would begin to cut itself.
 void LevelFit::to_targets(const std::vector<Vec3>& targets) {
+  constexpr double kStiffest = 1e8, kRatio = 10.0;
   anchors_ = targets;
   surface_.parameters = start_at_targets(surface_.model, layout_, targets);
-  const NamedRows pull{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)};
-  for (int round = 0;; ++round) {
+  const std::vector<NamedRows> pull{{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)}};
+  const auto pulled = [&](double factor) {
     check_interrupt();
-    set_bending(1.0);
-    const int steps = linear_ ? 1 : round == 0 ? 6 : 2;
-    for (int k = 0; k < steps; ++k) {
-      if (!solve({pull}).usable) break;
+    set_bending(factor);
+    for (int k = 0; k < (linear_ ? 1 : 3); ++k) {
+      if (!solve(pull).usable) break;
     }
-    const Cuts cuts = cuts_of(surface_.parameters);
-    cut_ = cuts.pairs > 0;
-    if (getenv("VERB")) {
-      SurfaceSamples samples;
-      evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-      fprintf(stderr, "  target round %d pull %.4f%% cuts %d\n", round, 100 * std::sqrt(pull.energy(samples.x)) / data_.diameter, cuts.pairs);
-    }
-    if (!cut_ || round == kRounds || bending_.rows.size() == 0) return;
-    stiffen(cuts.places);
-  }
-}
-
-// Within one and a half control edges of the cuts.
-void LevelFit::stiffen(const std::vector<Vec3>& places) {
-  const double control_edge =
-      std::sqrt(sum(sample_areas(layout_, layout_.reference)) / control_point_count(surface_.model));
-  const PointTree tree(places);
-  for (std::size_t r = 0; r < stiffness_.size(); ++r) {
-    const auto sample =
-        static_cast<std::size_t>(bending_.rows.sample[static_cast<std::size_t>(bending_.rows.start[r])]);
-    if (tree.nearest(layout_.reference[sample], 1).front().distance < 1.5 * control_edge) stiffness_[r] *= kStiffen;
+  };
+  double factor = 1.0 / kRatio;
+  do {
+    factor *= kRatio;
+    pulled(factor);
+    cut_ = cuts_of(surface_.parameters).pairs > 0;
+    if (getenv("VERB")) fprintf(stderr, "  factor %g cuts %d\n", factor, cuts_of(surface_.parameters).pairs);
+  } while (cut_ && factor < kStiffest && !operators_.empty());
+  while (!cut_ && factor > 1.0) {
+    factor /= kRatio;
+    const Parameters before = surface_.parameters;
+    pulled(factor);
+    hold_back(before);
+    if (getenv("VERB")) fprintf(stderr, "  loosened %g\n", factor);
   }
 }
 
@@ -344,7 +329,6 @@ LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {
         const auto patch = static_cast<std::size_t>(fine_.patch_of[static_cast<std::size_t>(v)]);
         for (const int b : fine_.patches[patch].blocks) met[static_cast<std::size_t>(b)] = true;
       }
-      if (!fine_.reference.empty()) cuts.places.push_back(fine_.reference[static_cast<std::size_t>(corners[0])]);
     }
   }
   for (std::size_t b = 0; b < met.size(); ++b) {

@@ -50,11 +50,9 @@ class LevelFit {
   /// Where the surface cuts itself.
   struct Cuts {
     int pairs = 0;             ///< of facets
-    std::vector<Vec3> places;  ///< on the reference shape
     std::vector<int> blocks;   ///< that reach these facets, ascending
   };
   Cuts cuts_of(const Parameters& parameters) const;
-  void stiffen(const std::vector<Vec3>& places);
   void hold_back(const Parameters& before);
 
   const GeometryData& data_;
@@ -64,7 +62,6 @@ class LevelFit {
   SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts
   std::vector<Vec3> anchors_;   ///< where samples are drawn along the surface; empty: where they are
   CoarseBending bending_;
-  std::vector<double> stiffness_;  ///< factor of each row of bending
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
   std::unique_ptr<ClosestPoint> data_surface_;

@@ -148,7 +148,7 @@ class Mapper {
     cost.opposite2 = {(d - b).squaredNorm() + kShare * mean_area, (a - d).squaredNorm() + kShare * mean_area,
                       (b - a).squaredNorm() + kShare * mean_area};
     const double scale2 = area_ / (4.0 * std::numbers::pi);
-    static const double mu = getenv("MU") ? atof(getenv("MU")) : 0.0;
+    static const double mu = getenv("MU") ? atof(getenv("MU")) : 3.0;
     cost.dirichlet = mu * scale2 * scale2 / (8.0 * cost.area);
     // E is least when shares go with the root of the weight.
     cost.area *= (importance_[idx(c[0])] + importance_[idx(c[1])] + importance_[idx(c[2])]) / 3.0;
