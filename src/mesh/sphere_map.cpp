@@ -267,6 +267,34 @@ class Mapper {
     }
   }
 
+  // To first order x = c + A d; with A = U S V^T the directions become V^T d, so that the map does not depend on how the
+  // object lies in the world. U and V are unique up to half turns about the axes.
+  static void turn_to_axes(SphereMap& map) {
+    Mat3 spread = Mat3::Zero(), cross = Mat3::Zero();
+    Vec3 mean_d = Vec3::Zero(), mean_x = Vec3::Zero();
+    double total = 0.0;
+    std::vector<double> share(map.direction.size(), 0.0);
+    for (const auto& t : map.mesh.triangles) {
+      const double a = spherical_area(map.direction[idx(t[0])], map.direction[idx(t[1])], map.direction[idx(t[2])]);
+      for (const int v : t) share[idx(v)] += a / 3.0;
+    }
+    for (std::size_t v = 0; v < share.size(); ++v) {
+      mean_d += share[v] * map.direction[v];
+      mean_x += share[v] * map.mesh.vertices[v];
+      total += share[v];
+    }
+    for (std::size_t v = 0; v < share.size(); ++v) {
+      const Vec3 d = map.direction[v] - mean_d / total;
+      spread += share[v] * d * d.transpose();
+      cross += share[v] * (map.mesh.vertices[v] - mean_x / total) * d.transpose();
+    }
+    const Mat3 A = cross * spread.inverse();
+    Mat3 V = Eigen::SelfAdjointEigenSolver<Mat3>(A.transpose() * A).eigenvectors();
+    if (!V.allFinite()) return;
+    if (V.determinant() < 0.0) V.col(0) = -V.col(0);
+    for (Vec3& d : map.direction) d = (V.transpose() * d).normalized();
+  }
+
   SphereMap result() {
     importance_.assign(importance_.size(), 1.0);  // the stretch that is told is the plain one
     SphereMap map;
@@ -291,6 +319,7 @@ class Mapper {
       if (!(spherical_area(p, a, b) > 0.0))
         throw BadData("spherical map (mesh): a facet folded; the mesh is too badly shaped");
     }
+    turn_to_axes(map);
     map.stretch = energy * 4.0 * std::numbers::pi / (area * area);
     return map;
   }

@@ -148,6 +148,7 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
     c.solid.closing_mm = closing;
     c.volume = volume_of(c.solid.surface);
     most = std::max(most, c.volume);
+    if (getenv("VERB")) fprintf(stderr, "n %.0f close %.3f genus %d vol %.4g\n", extent / mask.grid.spacing.x(), closing / mask.grid.spacing.x(), c.genus, c.volume);
     candidates.push_back(std::move(c));
   };
   for (const double n : {100.0, 76.0, 58.0, 44.0, 34.0, 26.0, 20.0, 15.0, 11.0, 8.0}) {
