@@ -20,6 +20,8 @@ namespace {
 constexpr std::size_t kMostPoints = 60000;  ///< springs of one step; all points are measured
 constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in robust deviations
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
+// Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
+constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
 const double kAnchor = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
 constexpr int kHoldBacks = 6;
 
@@ -176,7 +178,7 @@ void LevelFit::choose_points() {
 std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) const {
   std::vector<double> weights = given_weight_;
   if (data_.robust) {
-    const std::vector<double> sound = tukey_weights(distances_of(at), kTukey, kLeastDeviation * data_.diameter);
+    const std::vector<double> sound = tukey_weights(distances_of(at), kTukey, deviation_ * data_.diameter);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
   // The other side of a sheet is no match.
@@ -298,8 +300,13 @@ void LevelFit::springs() {
   Parameters best_parameters;
   int poor = 0;
   reason_ = "step limit";
+  if (data_.robust) deviation_ = kFirstDeviation;
   for (int k = 0; k < settings_.max_steps; ++k) {
     step();
+    if (deviation_ > kLeastDeviation) {
+      deviation_ = std::max(kLeastDeviation, kDeviationShare * deviation_);
+      continue;
+    }
     SurfaceSamples samples;
     evaluate(surface_.model, surface_.parameters, layout_, false, samples);
     const double here = rms_of(attach(chosen_, layout_, samples));

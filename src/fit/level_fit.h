@@ -68,6 +68,7 @@ class LevelFit {
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;
+  double deviation_ = 1e-4;  ///< least robust deviation, of the diameter
   int steps_ = 0, iterations_ = 0;
   bool cut_ = false;  ///< it cuts itself already
   std::string reason_ = "as started";

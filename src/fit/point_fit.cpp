@@ -95,8 +95,9 @@ PointFit fit_from(const Surface& start, const GeometryData& data, const PointFit
 }
 
 int measuring_level(const SurfaceModel& model) {
-  int level = 6;
-  while (level > 2 && base_facets(model) * std::pow(4.0, level) > 100000.0) --level;
+  const auto facets = [&](int level) { return base_facets(model) * std::pow(4.0, level); };
+  int level = 2;
+  while (facets(level) < std::max(10000.0, 30.0 * control_point_count(model)) && facets(level + 1) < 250000.0) ++level;
   return level;
 }
 

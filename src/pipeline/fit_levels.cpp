@@ -15,7 +15,7 @@ namespace pellicle {
 
 namespace {
 
-constexpr int kMostByItself = 700;  ///< control points that a fit takes without being told to
+constexpr int kMostByItself = 1600;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
 constexpr double kWorthwhile = 0.9;  ///< a finer level must bring the left-out points down to this share
 
@@ -33,6 +33,32 @@ std::string name_of_size(const SurfaceModel& model) {
 
 SurfaceModel refined(const SurfaceModel& model) {
   return refine(Surface{model, affine_image(model, Vec3::Zero(), Mat3::Identity())}).model;
+}
+
+/// Sizes that are laid out on a map, the fewest control points first, each about 1.5 times the one before.
+std::vector<SurfaceModel> sizes_of(const ModelChoice& choice) {
+  std::vector<SurfaceModel> sizes;
+  if (choice.kind == ModelKind::spline) {
+    for (const auto& [m1, m2] : std::initializer_list<std::pair<int, int>>{{4, 2}, {6, 3}, {6, 5}, {8, 6}, {10, 7},
+         {12, 9}, {14, 12}, {16, 15}, {20, 18}, {24, 22}, {30, 26}, {36, 32}, {44, 40}, {52, 50}}) {
+      SplineSettings spline;
+      spline.m1 = m1;
+      spline.m2 = m2;
+      sizes.emplace_back(SplineModel(spline));
+    }
+    return sizes;
+  }
+  for (const StartSolid solid : {StartSolid::tetrahedron, StartSolid::octahedron, StartSolid::icosahedron}) {
+    SurfaceModel model = NormalModel::start(solid, choice.rule);
+    while (control_point_count(model) <= kMostForTolerance) {
+      sizes.push_back(model);
+      model = refined(model);
+    }
+  }
+  std::stable_sort(sizes.begin(), sizes.end(), [](const SurfaceModel& a, const SurfaceModel& b) {
+    return control_point_count(a) < control_point_count(b);
+  });
+  return sizes;
 }
 
 bool takes_any_genus(ModelKind kind) {
@@ -90,7 +116,11 @@ class Levels {
     from_map_ = kind == ModelKind::spline || (kind == ModelKind::normal && result_.input.genus == 0);
     if (!from_map_) {
       tell(0.1, "seeding from voxels");
-      seed_ = seed();
+      if (result_.input.body.voxels.empty()) {
+        throw BadData(fmt::format("cannot fit ({}): its points enclose nothing that a surface could start from",
+                                  result_.input.file.string()));
+      }
+      seed_ = first_seed();
       return;
     }
     tell(0.1, "laying the surface out on a sphere");
@@ -116,28 +146,40 @@ class Levels {
     correspondence_ = choose_axis(map, probe);
   }
 
-  // The coarsest voxels that show the genus of the data.
-  Surface seed() const {
-    const std::vector<Vec3>& points = data_.points;
-    double spacing = coarsest_spacing(points);
-    std::optional<VoxelSeed> first;
-    for (int k = 0; k < 8; ++k, spacing /= std::sqrt(2.0)) {
-      VoxelSeed voxels = voxel_seed_of_points(points, spacing);
+  // Voxels of the genus of the data, the coarsest first, each grid finer by a root of two: twice the control points.
+  std::optional<Surface> next_seed() {
+    const Image<std::uint8_t>& body = result_.input.body;
+    if (!(spacing_ > 0.0)) spacing_ = std::sqrt(2.0) * coarsest_spacing(body);
+    for (;;) {
+      spacing_ /= std::sqrt(2.0);
+      if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
+      VoxelSeed voxels = voxel_seed_of_mask(body, spacing_);
       if (voxels.genus == result_.input.genus) return *seed_surface(voxels.mesh, settings_.model);
-      if (!first) first = std::move(voxels);
     }
-    return *seed_surface(first->mesh, settings_.model);
   }
 
-  Size start() const {
-    if (from_map_) return {start_model(settings_.model), {}};
-    return {{}, seed_};
+  // When no grid shows it, the body's own does as well as it can.
+  Surface first_seed() {
+    if (std::optional<Surface> seed = next_seed()) return std::move(*seed);
+    return *seed_surface(voxel_seed_of_mask(result_.input.body, result_.input.body.grid.spacing.maxCoeff()).mesh,
+                         settings_.model);
   }
 
-  // Of a seeded surface the finer one starts from the fitted coarser one.
-  Size finer(const Size& size, const PointFit* fitted) const {
-    if (size.model) return {refined(*size.model), {}};
-    return {{}, refine(fitted != nullptr ? fitted->surface : *size.start)};
+  Size start() {
+    if (!from_map_) return {{}, seed_};
+    sizes_ = sizes_of(settings_.model);
+    return {sizes_.front(), {}};
+  }
+
+  // Of a seeded surface the next finer seed, and where voxels are fine enough the fitted surface itself, refined.
+  std::optional<Size> finer(const PointFit& fitted, std::size_t stride) {
+    if (from_map_) {
+      at_ += stride;
+      if (at_ >= sizes_.size()) return std::nullopt;
+      return Size{sizes_[at_], {}};
+    }
+    if (std::optional<Surface> seed = next_seed()) return Size{{}, std::move(seed)};
+    return Size{{}, refine(fitted.surface)};
   }
 
   PointFit one(const Size& size, bool hold_out) {
@@ -171,47 +213,57 @@ class Levels {
   }
 
   void at_detail(int detail) {
-    Size size = start();
-    for (int k = 0; k < detail; ++k) {
-      if (size.model) {
-        size = finer(size, nullptr);
-      } else {
-        const PointFit coarse = one(size, false);
-        size = finer(size, &coarse);
-      }
+    if (from_map_) {
+      SurfaceModel model = start_model(settings_.model);
+      for (int k = 0; k < detail; ++k) model = refined(model);
+      keep(one({std::move(model), {}}, false));
+      return;
     }
-    keep(one(size, false));
+    PointFit fit = one({{}, seed_}, false);
+    for (int k = 0; k < detail; ++k) fit = one({{}, refine(fit.surface)}, false);
+    keep(std::move(fit));
+  }
+
+  int most_for_tolerance() const {
+    if (!settings_.detail) return kMostForTolerance;
+    Surface surface = from_map_ ? Surface{start_model(settings_.model), {}} : *seed_;
+    if (from_map_) surface.parameters = affine_image(surface.model, Vec3::Zero(), Mat3::Identity());
+    for (int k = 0; k < *settings_.detail; ++k) surface = refine(surface);
+    return control_point_count(surface.model);
   }
 
   void until_tolerance() {
+    const int most = most_for_tolerance();
     std::size_t best = 0;
-    Size size = start();
-    for (int detail = 0;; ++detail) {
-      if (settings_.detail ? detail > *settings_.detail : control_point_count(size.of()) > kMostForTolerance) break;
-      keep(one(size, false));
+    std::optional<Size> size = start();
+    while (size && (result_.tried.empty() || control_point_count(size->of()) <= most)) {
+      keep(one(*size, false));
       const PointFit& here = result_.tried.back().fit;
       const double residual = residual_for(here, settings_.tolerance_of);
-      if (residual < residual_for(result_.tried[best].fit, settings_.tolerance_of)) best = result_.tried.size() - 1;
-      if (residual <= *tolerance_) break;
-      size = finer(size, &here);
+      const bool cut = here.summary.self_intersections > 0, best_cut = result_.tried[best].fit.summary.self_intersections > 0;
+      const bool closer = residual < residual_for(result_.tried[best].fit, settings_.tolerance_of);
+      if (cut == best_cut ? closer : best_cut) best = result_.tried.size() - 1;
+      if (residual <= *tolerance_ && !cut) break;
+      size = finer(here, 1);
     }
     result_.chosen = best;
   }
 
   void by_left_out_points() {
     const int most = std::clamp(static_cast<int>(data_.points.size() / 3), 10, kMostByItself);
-    Size size = start(), chosen = size;
+    std::optional<Size> size = start();
+    Size chosen = *size;
     double best = -1.0;
-    for (int poor = 0; poor < 2 && (best < 0.0 || control_point_count(size.of()) <= most);) {
-      const PointFit fit = one(size, true);
+    for (int poor = 0; poor < 2 && size && (best < 0.0 || control_point_count(size->of()) <= most);) {
+      const PointFit fit = one(*size, true);
       const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
       poor = better ? 0 : poor + 1;
       if (better) {
         best = fit.summary.held_out_rms;
-        chosen = size;
+        chosen = *size;
       }
       if (best < 1e-6 * data_.diameter) break;
-      size = finer(size, &fit);
+      size = finer(fit, 2);
     }
     PointFit last = one(chosen, false);
     last.summary.held_out_rms = best;
@@ -246,6 +298,9 @@ class Levels {
   bool from_map_ = true;
   std::optional<Correspondence> correspondence_;
   std::optional<Surface> seed_;
+  double spacing_ = 0.0;             ///< of the last seed's voxels, mm
+  std::vector<SurfaceModel> sizes_;  ///< of a model that is laid out on a map
+  std::size_t at_ = 0;               ///< the present one
 };
 
 }  // namespace

@@ -75,6 +75,8 @@ void lay_shell(const std::string& name, GeometryInput& input) {
   try {
     ClosedSolid solid = solid_of_points(kept, point_spacing(tree));
     input.solid = std::move(solid.surface);
+    input.body = std::move(solid.as_given);
+    input.genus = solid.genus_as_given;
     input.bridged_mm = solid.closing_mm;
   } catch (const BadData& fault) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
@@ -139,18 +141,18 @@ GeometryInput from_mesh(const fs::path& path) {
   }
   input.genus = topology.genus;
   take_surface(std::move(mesh), input);
-  if (topology.genus == 0) {
-    input.solid = *input.data.surface;
-    return input;
-  }
-  // For models that are spheres; the others need none.
   try {
     const PointTree tree(input.data.points);
     ClosedSolid solid = solid_of_points(input.data.points, point_spacing(tree));
+    input.body = std::move(solid.as_given);
     input.solid = std::move(solid.surface);
     input.bridged_mm = solid.closing_mm;
   } catch (const BadData&) {
     input.solid = {};
+  }
+  if (topology.genus == 0) {
+    input.solid = *input.data.surface;
+    input.bridged_mm = 0.0;
   }
   return input;
 }
@@ -179,13 +181,10 @@ GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
         fmt::format("the mask has several parts: the largest one alone is fitted, {:.0f} % of the volume is left out",
                     100.0 * missing));
   }
-  if (solid.closing_mm > 0.0) {
-    input.genus = solid.genus_as_given;
-    input.warnings.push_back(fmt::format("the mask has genus {}: holes up to {:.3g} mm wide were closed",
-                                         solid.genus_as_given, solid.closing_mm));
-  }
+  input.genus = solid.genus_as_given;
   input.bridged_mm = solid.closing_mm;
-  take_surface(solid.surface, input);
+  take_surface(solid.closing_mm > 0.0 ? surface_of_mask(solid.as_given) : solid.surface, input);
+  input.body = std::move(solid.as_given);
   input.solid = std::move(solid.surface);
   return input;
 }

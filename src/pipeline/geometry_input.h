@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pellicle/fit/point_fit.h"
+#include "pellicle/image/image.h"
 #include "pellicle/mesh/point_file.h"
 
 namespace pellicle {
@@ -16,7 +17,8 @@ struct GeometryInput {
   std::filesystem::path file;
   GeometryData data;
   TriangleMesh solid;       ///< closed, outward, of genus 0: the data or a shell around them; empty: none was found
-  int genus = 0;            ///< of the data, when they are a closed surface
+  Image<std::uint8_t> body;  ///< solid voxels of the data's own genus: where surfaces with handles start
+  int genus = 0;             ///< of the data; of points that of `body`
   double bridged_mm = 0.0;  ///< gaps up to about this wide were bridged to close `solid`
   std::optional<PointGrid> grid;  ///< points on a grid of parameters
   std::vector<std::string> warnings;

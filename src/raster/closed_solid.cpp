@@ -122,10 +122,41 @@ Mask occupied(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi, d
 }
 
 struct Candidate {
-  ClosedSolid solid;
-  double volume = 0.0;
+  Mask mask;
+  TriangleMesh surface;
+  double closing = 0.0, volume = 0.0;
   int genus = 0;
 };
+
+// Solids on finer and coarser grids, the widest gaps bridged first. One that lets water in loses most of its volume
+// against the one before and is left out.
+std::vector<Candidate> watertight_solids(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi,
+                                         double spacing) {
+  constexpr double kKept = 0.7;
+  const double extent = (hi - lo).maxCoeff();
+  std::vector<std::pair<double, int>> grids;  // voxel size, steps of closing
+  for (const double n : {100.0, 76.0, 58.0, 44.0, 34.0, 26.0, 20.0, 15.0, 11.0, 8.0}) {
+    const double h = extent / n;
+    if (h < 0.7 * spacing && n > 8.0) continue;
+    grids.emplace_back(h, 1);
+    grids.emplace_back(h, 2);
+  }
+  const auto closing = [](const auto& grid) { return (2.0 * grid.second + 1.0) * grid.first; };
+  std::stable_sort(grids.begin(), grids.end(), [&](const auto& a, const auto& b) { return closing(a) > closing(b); });
+  std::vector<Candidate> solids;
+  for (const auto& grid : grids) {
+    Candidate c;
+    c.mask = closed(occupied(points, lo, hi, grid.first, grid.second + 2), grid.second);
+    c.surface = surface_of_mask(c.mask);
+    if (c.surface.triangles.empty()) continue;
+    c.closing = closing(grid);
+    c.volume = volume_of(c.surface);
+    if (!solids.empty() && c.volume < kKept * solids.back().volume) continue;
+    c.genus = genus_of(c.surface);
+    if (c.genus < 1000) solids.push_back(std::move(c));
+  }
+  return solids;
+}
 
 }  // namespace
 
@@ -138,30 +169,11 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
   }
   const double extent = (hi - lo).maxCoeff();
   if (!((hi - lo).minCoeff() > 1e-9 * extent)) throw BadData("surface around points: they all lie in one plane");
-  std::vector<Candidate> candidates;
-  double most = 0.0;
-  const auto add = [&](const Mask& mask, double closing) {
-    Candidate c;
-    c.solid.surface = surface_of_mask(mask);
-    if (c.solid.surface.triangles.empty()) return;
-    c.genus = genus_of(c.solid.surface);
-    c.solid.closing_mm = closing;
-    c.volume = volume_of(c.solid.surface);
-    most = std::max(most, c.volume);
-    if (getenv("VERB")) fprintf(stderr, "n %.0f close %.3f genus %d vol %.4g\n", extent / mask.grid.spacing.x(), closing / mask.grid.spacing.x(), c.genus, c.volume);
-    candidates.push_back(std::move(c));
-  };
-  for (const double n : {100.0, 76.0, 58.0, 44.0, 34.0, 26.0, 20.0, 15.0, 11.0, 8.0}) {
-    const double h = extent / n;
-    if (h < 0.7 * spacing && n > 8.0) continue;
-    for (const int steps : {1, 2}) {
-      add(closed(occupied(points, lo, hi, h, steps + 2), steps), (2.0 * steps + 1.0) * h);
-    }
-  }
-  for (Candidate& c : candidates) {
-    if (c.genus != 0 || c.volume < 0.6 * most) continue;
-    c.solid.genus_as_given = candidates.front().genus < 1000 ? candidates.front().genus : 0;
-    return std::move(c.solid);
+  std::vector<Candidate> solids = watertight_solids(points, lo, hi, spacing);
+  for (auto c = solids.rbegin(); c != solids.rend(); ++c) {
+    if (c->genus != 0) continue;
+    Candidate& given = solids.back();
+    return {std::move(c->surface), c->closing, given.genus, std::move(given.mask)};
   }
   // Sheets and dust: grown without shrinking.
   for (const double n : {24.0, 16.0, 10.0, 6.0, 4.0}) {
@@ -169,7 +181,7 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
     grow_or_shrink(mask, 1, true);
     fill_cavities(mask);
     keep_largest(mask);
-    ClosedSolid solid{surface_of_mask(mask), 3.0 * extent / n, 0};
+    ClosedSolid solid{surface_of_mask(mask), 3.0 * extent / n, 0, mask};
     if (genus_of(solid.surface) == 0) return solid;
   }
   throw BadData("surface around points: no closed surface of genus 0 could be laid around them");
@@ -192,6 +204,7 @@ ClosedSolid solid_of_mask(const Mask& mask) {
   }
   if (hi[0] < 0) throw BadData("the mask is empty");
   std::optional<int> given;
+  Mask given_mask;
   for (const int steps : {0, 1, 2, 4, 8, 16, 32}) {
     const int margin = steps + 2;
     ImageGrid grid = mask.grid;
@@ -206,11 +219,15 @@ ClosedSolid solid_of_mask(const Mask& mask) {
       }
     }
     keep_largest(part);
-    ClosedSolid solid{surface_of_mask(closed(std::move(part), steps)), 2.0 * steps * mask.grid.mean_spacing(), 0};
+    part = closed(std::move(part), steps);
+    ClosedSolid solid{surface_of_mask(part), 2.0 * steps * mask.grid.mean_spacing(), 0, {}};
+    if (steps == 0) given_mask = std::move(part);
     const int genus = genus_of(solid.surface);
     if (!given) given = genus;
     solid.genus_as_given = *given < 1000 ? *given : 0;
-    if (genus == 0) return solid;
+    if (genus != 0) continue;
+    solid.as_given = std::move(given_mask);
+    return solid;
   }
   throw BadData("surface of the mask: no closed surface of genus 0 could be laid around it");
 }
