@@ -73,7 +73,10 @@ Run add_fit(CLI::App& app, const std::vector<std::string>& command_line) {
       ->required();
   app.add_option("-o,--output", s.output, "folder; created if missing")->type_name("DIR")->required();
   app.add_option("--name", s.name, "file stem; default: the input's name without its extensions")->type_name("STEM");
-  app.add_option("--model", flags->model, "normal, spline, catmull-clark or slime")->type_name("NAME")->capture_default_str()->group("Model");
+  app.add_option("--model", flags->model, "normal, spline, catmull-clark or slime")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->group("Model");
   app.add_option("--detail", s.detail,
                  "refinements of the start model; with a tolerance: at most; default: until points that are left out "
                  "gain no more")

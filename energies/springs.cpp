@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/geometry.h"
@@ -153,38 +152,6 @@ ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<doubl
       rows.add(static_cast<int>(i), root * Vec3::Unit(c));
       rows.close(root * targets[i][c]);
     }
-  }
-  return rows;
-}
-
-ScalarRows orientation_rows(const SampleLayout& layout, const std::vector<Vec3>& x, const std::vector<Vec3>& targets,
-                            double energy_weight) {
-  constexpr double kLeastShare = 0.25, kSmall = 1e-3;
-  const auto area_vector = [&](const std::vector<Vec3>& at, const std::array<int, 3>& t) {
-    const Vec3& p = at[static_cast<std::size_t>(t[0])];
-    return Vec3(0.5 * (at[static_cast<std::size_t>(t[1])] - p).cross(at[static_cast<std::size_t>(t[2])] - p));
-  };
-  double total = 0.0;
-  for (const auto& t : layout.triangles) total += area_vector(targets, t).norm();
-  const auto count = static_cast<double>(layout.triangles.size());
-  const double root = std::sqrt(2.0 * energy_weight * total / (4.0 * std::numbers::pi) / count);
-  ScalarRows rows;
-  for (const auto& t : layout.triangles) {
-    const Vec3 wanted = area_vector(targets, t);
-    const double area = wanted.norm();
-    if (!(area > kSmall * total / count)) continue;
-    const Vec3 m = wanted / area;
-    const double share = area_vector(x, t).dot(m) / area;
-    if (!(share < kLeastShare)) continue;
-    const Vec3 &p = x[static_cast<std::size_t>(t[0])], &q = x[static_cast<std::size_t>(t[1])],
-               &r = x[static_cast<std::size_t>(t[2])];
-    // r = root (1/4 - share(x)), first order about the present x.
-    const double scale = -0.5 * root / area;
-    const Vec3 dq = scale * (r - p).cross(m), dr = scale * m.cross(q - p), dp = -(dq + dr);
-    rows.add(t[0], dp);
-    rows.add(t[1], dq);
-    rows.add(t[2], dr);
-    rows.close(dp.dot(p) + dq.dot(q) + dr.dot(r) - root * (kLeastShare - share));
   }
   return rows;
 }

@@ -51,12 +51,6 @@ std::vector<double> tukey_weights(const std::vector<double>& distances, double c
 ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,
                         const std::vector<double>& area, const std::vector<int>& held, double energy_weight);
 
-/// Rows that keep facets from turning over: E = r^2/F sum_f max(0, 1/4 - N_f . m_f / a_f)^2, N_f the facet's area
-/// vector, a_f and m_f area and normal of the same facet with its corners at `targets`, r^2 = sum a_f/(4 pi), F their
-/// number. Linearised at x; zero for a surface that follows its targets. Facets without area there are left out.
-ScalarRows orientation_rows(const SampleLayout& layout, const std::vector<Vec3>& x, const std::vector<Vec3>& targets,
-                            double energy_weight);
-
 /// E = sum_i (A_i/A) |x_i - y_i|^2: every sample to a place of its own. \pre one target a sample.
 ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight);
 

@@ -22,7 +22,7 @@ constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in ro
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 // Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
-const double kAnchor = getenv("HOLD") ? atof(getenv("HOLD")) : 0.002;
+constexpr double kAnchor = 0.002;  ///< of sliding_rows, against springs of weight 1
 constexpr int kHoldBacks = 6;
 
 /// About four samples a control point or more; see knot_layout_of.
@@ -146,7 +146,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       layout_(fit_layout(start.model)),
       fine_(layout_of(start.model, measuring_level(start.model))) {
   if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
-    if (data.surface) {
+  if (data.surface) {
     data_surface_ = std::make_unique<ClosestPoint>(*data.surface);
     const auto& v = data.surface->vertices;
     for (const auto& t : data.surface->triangles) {
@@ -240,14 +240,12 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
     factor *= kRatio;
     pulled(factor);
     cut_ = cuts_of(surface_.parameters).pairs > 0;
-    if (getenv("VERB")) fprintf(stderr, "  factor %g cuts %d\n", factor, cuts_of(surface_.parameters).pairs);
   } while (cut_ && factor < kStiffest && !operators_.empty());
   while (!cut_ && factor > 1.0) {
     factor /= kRatio;
     const Parameters before = surface_.parameters;
     pulled(factor);
     hold_back(before);
-    if (getenv("VERB")) fprintf(stderr, "  loosened %g\n", factor);
   }
 }
 
@@ -279,7 +277,6 @@ void LevelFit::hold_back(const Parameters& before) {
   std::vector<double> share(kinds.size(), 1.0);
   for (int attempt = 0; attempt < kHoldBacks; ++attempt) {
     const Cuts cuts = cuts_of(surface_.parameters);
-    if (getenv("VERB")) fprintf(stderr, "    hold back %d: %d cuts\n", attempt, cuts.pairs);
     if (cuts.pairs == 0) return;
     for (const int b : cuts.blocks) share[static_cast<std::size_t>(b)] *= attempt < 3 ? 0.5 : 0.0;
     for (std::size_t b = 0; b < kinds.size(); ++b) {
@@ -310,7 +307,6 @@ void LevelFit::springs() {
     SurfaceSamples samples;
     evaluate(surface_.model, surface_.parameters, layout_, false, samples);
     const double here = rms_of(attach(chosen_, layout_, samples));
-    if (getenv("VERB")) { double b = 0; for (auto& o : operators_) b += o.energy(samples.x); fprintf(stderr, "  step %d rms %.4f%% bend %.3e\n", k, 100 * here / data_.diameter, std::sqrt(b) / data_.diameter * 100); }
     poor = best < 0.0 || here < (1.0 - settings_.improvement) * best ? 0 : poor + 1;
     if (best < 0.0 || here < best) {
       best = here;

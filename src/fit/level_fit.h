@@ -49,8 +49,8 @@ class LevelFit {
   void step();
   /// Where the surface cuts itself.
   struct Cuts {
-    int pairs = 0;             ///< of facets
-    std::vector<int> blocks;   ///< that reach these facets, ascending
+    int pairs = 0;            ///< of facets
+    std::vector<int> blocks;  ///< that reach these facets, ascending
   };
   Cuts cuts_of(const Parameters& parameters) const;
   void hold_back(const Parameters& before);

@@ -163,7 +163,6 @@ std::optional<Eigen::VectorXd> LinearSystem::solved_for(const Eigen::VectorXd& r
     iterative.compute(normal_);
     if (iterative.info() == Eigen::Success) {
       Eigen::VectorXd x = iterative.solve(right);
-      if (getenv("VERB")) fprintf(stderr, "      cg %d %g\n", (int)iterative.iterations(), iterative.error());
       if (iterative.info() == Eigen::Success && x.allFinite()) return x;
     }
   }

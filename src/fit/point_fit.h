@@ -31,9 +31,9 @@ struct Correspondence {
 };
 
 struct PointFitSettings {
-  int max_steps = 25;         ///< springs attached anew so often at most, a level
-  double smoothness = 1.0;    ///< factor of the bending energy
-  double improvement = 0.01;  ///< a level ends when a step gains less, as a share of the residual
+  int max_steps = 25;          ///< springs attached anew so often at most, a level
+  double smoothness = 1.0;     ///< factor of the bending energy
+  double improvement = 0.005;  ///< a level ends when a step gains less, as a share of the residual
 };
 
 /// Residuals in mm; of the data to the surface (`to_surface`), of the surface to the data.

@@ -28,10 +28,14 @@ double det(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.cross(b).dot(c);
 }
 
+/// Weight of the inverse map's Dirichlet energy. Without it the map ripples along the directions that stretch does not
+/// see, and no smooth model can follow.
+constexpr double kInverse = 3.0;
+
 /// What one triangle of the surface asks for: constant while vertices move on the sphere.
 struct TriangleCost {
   double area = 0.0;
-  double dirichlet = 0.0;  ///< weight over 8 times the plain area
+  double dirichlet = 0.0;             ///< weight over 8 times the plain area
   std::array<double, 3> opposite2{};  ///< squared length of the side opposite to each corner
 };
 
@@ -148,8 +152,7 @@ class Mapper {
     cost.opposite2 = {(d - b).squaredNorm() + kShare * mean_area, (a - d).squaredNorm() + kShare * mean_area,
                       (b - a).squaredNorm() + kShare * mean_area};
     const double scale2 = area_ / (4.0 * std::numbers::pi);
-    static const double mu = getenv("MU") ? atof(getenv("MU")) : 3.0;
-    cost.dirichlet = mu * scale2 * scale2 / (8.0 * cost.area);
+    cost.dirichlet = kInverse * scale2 * scale2 / (8.0 * cost.area);
     // E is least when shares go with the root of the weight.
     cost.area *= (importance_[idx(c[0])] + importance_[idx(c[1])] + importance_[idx(c[2])]) / 3.0;
     return cost;
@@ -177,7 +180,8 @@ class Mapper {
       const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
       const TriangleCost cost = cost_of(t, mean_area());
       const Vec3 &a = place_[idx(c[j])], &b = place_[idx(c[k])];
-      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k], cost.dirichlet});
+      star.wedges.push_back(
+          {a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k], cost.dirichlet});
     }
     return star;
   }
@@ -267,8 +271,8 @@ class Mapper {
     }
   }
 
-  // To first order x = c + A d; with A = U S V^T the directions become V^T d, so that the map does not depend on how the
-  // object lies in the world. U and V are unique up to half turns about the axes.
+  // To first order x = c + A d; with A = U S V^T the directions become V^T d, so that the map does not depend on how
+  // the object lies in the world. U and V are unique up to half turns about the axes.
   static void turn_to_axes(SphereMap& map) {
     Mat3 spread = Mat3::Zero(), cross = Mat3::Zero();
     Vec3 mean_d = Vec3::Zero(), mean_x = Vec3::Zero();
@@ -313,7 +317,8 @@ class Mapper {
       const TriangleCost cost = cost_of(t, 0.0);
       const Vec3 &p = place_[idx(c[0])], &a = place_[idx(c[1])], &b = place_[idx(c[2])];
       Star star;
-      star.wedges.push_back({a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2], 0.0});
+      star.wedges.push_back(
+          {a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2], 0.0});
       energy += star.energy(p);
       area += cost.area;
       if (!(spherical_area(p, a, b) > 0.0))
@@ -408,8 +413,7 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
     }
     used.triangles.push_back(renumbered);
   }
-  SphereMapSettings st = settings; if (getenv("FAIR")) st.fairness = atof(getenv("FAIR"));
-  return Mapper(used, st).run();
+  return Mapper(used, settings).run();
 }
 
 SphereLocator::SphereLocator(const SphereMap& map) : map_(map), across_(map.mesh.triangles.size()) {

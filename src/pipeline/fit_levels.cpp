@@ -7,6 +7,9 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
+#include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 #include "pellicle/surface/spline_interpolation.h"
@@ -39,8 +42,20 @@ SurfaceModel refined(const SurfaceModel& model) {
 std::vector<SurfaceModel> sizes_of(const ModelChoice& choice) {
   std::vector<SurfaceModel> sizes;
   if (choice.kind == ModelKind::spline) {
-    for (const auto& [m1, m2] : std::initializer_list<std::pair<int, int>>{{4, 2}, {6, 3}, {6, 5}, {8, 6}, {10, 7},
-         {12, 9}, {14, 12}, {16, 15}, {20, 18}, {24, 22}, {30, 26}, {36, 32}, {44, 40}, {52, 50}}) {
+    for (const auto& [m1, m2] : std::initializer_list<std::pair<int, int>>{{4, 2},
+                                                                           {6, 3},
+                                                                           {6, 5},
+                                                                           {8, 6},
+                                                                           {10, 7},
+                                                                           {12, 9},
+                                                                           {14, 12},
+                                                                           {16, 15},
+                                                                           {20, 18},
+                                                                           {24, 22},
+                                                                           {30, 26},
+                                                                           {36, 32},
+                                                                           {44, 40},
+                                                                           {52, 50}}) {
       SplineSettings spline;
       spline.m1 = m1;
       spline.m2 = m2;
@@ -146,23 +161,42 @@ class Levels {
     correspondence_ = choose_axis(map, probe);
   }
 
-  // Voxels of the genus of the data, the coarsest first, each grid finer by a root of two: twice the control points.
-  std::optional<Surface> next_seed() {
+  // No limb is lost: nearly all of the body's surface is near the seed.
+  bool covers(const VoxelSeed& seed) {
+    constexpr int kLooks = 1000;
+    constexpr double kNear = 1.5, kMissed = 0.01;
+    if (body_points_.empty()) body_points_ = sample_surface(surface_of_mask(result_.input.body), kLooks);
+    const TriangleMesh mesh = split_quads(seed.mesh);
+    const ClosestPoint nearest(mesh);
+    const auto missed = std::count_if(body_points_.begin(), body_points_.end(), [&](const Vec3& x) {
+      return nearest.query(x).distance > kNear * seed.spacing_mm;
+    });
+    return static_cast<double>(missed) <= kMissed * kLooks;
+  }
+
+  // Voxels of the genus of the data that reach all of them, the coarsest first, each grid finer by a root of two: twice
+  // the control points. Thin limbs fill the less of a voxel.
+  std::optional<VoxelSeed> next_seed() {
     const Image<std::uint8_t>& body = result_.input.body;
     if (!(spacing_ > 0.0)) spacing_ = std::sqrt(2.0) * coarsest_spacing(body);
     for (;;) {
       spacing_ /= std::sqrt(2.0);
       if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
-      VoxelSeed voxels = voxel_seed_of_mask(body, spacing_);
-      if (voxels.genus == result_.input.genus) return *seed_surface(voxels.mesh, settings_.model);
+      for (const double share : {0.5, 0.3, 0.15}) {
+        const Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share);
+        if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
+        VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share);
+        if (seed.genus == result_.input.genus && covers(seed)) return seed;
+      }
     }
   }
 
-  // When no grid shows it, the body's own does as well as it can.
+  Surface surface_on(const VoxelSeed& seed) const { return *seed_surface(seed.mesh, settings_.model); }
+
+  // When no grid shows the genus, the body's own does as well as it can.
   Surface first_seed() {
-    if (std::optional<Surface> seed = next_seed()) return std::move(*seed);
-    return *seed_surface(voxel_seed_of_mask(result_.input.body, result_.input.body.grid.spacing.maxCoeff()).mesh,
-                         settings_.model);
+    if (const std::optional<VoxelSeed> seed = next_seed()) return surface_on(*seed);
+    return surface_on(voxel_seed_of_mask(result_.input.body, result_.input.body.grid.spacing.maxCoeff()));
   }
 
   Size start() {
@@ -178,7 +212,7 @@ class Levels {
       if (at_ >= sizes_.size()) return std::nullopt;
       return Size{sizes_[at_], {}};
     }
-    if (std::optional<Surface> seed = next_seed()) return Size{{}, std::move(seed)};
+    if (const std::optional<VoxelSeed> seed = next_seed()) return Size{{}, surface_on(*seed)};
     return Size{{}, refine(fitted.surface)};
   }
 
@@ -240,7 +274,8 @@ class Levels {
       keep(one(*size, false));
       const PointFit& here = result_.tried.back().fit;
       const double residual = residual_for(here, settings_.tolerance_of);
-      const bool cut = here.summary.self_intersections > 0, best_cut = result_.tried[best].fit.summary.self_intersections > 0;
+      const bool cut = here.summary.self_intersections > 0,
+                 best_cut = result_.tried[best].fit.summary.self_intersections > 0;
       const bool closer = residual < residual_for(result_.tried[best].fit, settings_.tolerance_of);
       if (cut == best_cut ? closer : best_cut) best = result_.tried.size() - 1;
       if (residual <= *tolerance_ && !cut) break;
@@ -298,6 +333,7 @@ class Levels {
   bool from_map_ = true;
   std::optional<Correspondence> correspondence_;
   std::optional<Surface> seed_;
+  std::vector<Vec3> body_points_;    ///< on the surface of the body
   double spacing_ = 0.0;             ///< of the last seed's voxels, mm
   std::vector<SurfaceModel> sizes_;  ///< of a model that is laid out on a map
   std::size_t at_ = 0;               ///< the present one

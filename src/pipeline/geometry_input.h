@@ -16,10 +16,10 @@ struct GeometryInput {
   std::string kind;  ///< "points", "grid", "mesh", "mask"
   std::filesystem::path file;
   GeometryData data;
-  TriangleMesh solid;       ///< closed, outward, of genus 0: the data or a shell around them; empty: none was found
+  TriangleMesh solid;        ///< closed, outward, of genus 0: the data or a shell around them; empty: none was found
   Image<std::uint8_t> body;  ///< solid voxels of the data's own genus: where surfaces with handles start
   int genus = 0;             ///< of the data; of points that of `body`
-  double bridged_mm = 0.0;  ///< gaps up to about this wide were bridged to close `solid`
+  double bridged_mm = 0.0;   ///< gaps up to about this wide were bridged to close `solid`
   std::optional<PointGrid> grid;  ///< points on a grid of parameters
   std::vector<std::string> warnings;
 };

@@ -10,17 +10,17 @@
 namespace pellicle {
 
 struct ClosedSolid {
-  TriangleMesh surface;     ///< closed, manifold, outward, of genus 0, LPS mm
-  double closing_mm = 0.0;  ///< gaps up to about this wide were bridged
-  int genus_as_given = 0;   ///< of the solid before it was closed further
+  TriangleMesh surface;          ///< closed, manifold, outward, of genus 0, LPS mm
+  double closing_mm = 0.0;       ///< gaps up to about this wide were bridged
+  int genus_as_given = 0;        ///< of the solid before it was closed further
   Image<std::uint8_t> as_given;  ///< that solid
 };
 
 /// Voxels that hold points are marked on finer and coarser grids, grown, filled and shrunk again. Going from the widest
-/// to the narrowest gap that this bridges, a solid that loses more than 0.3 of the volume of the one before lets water in
-/// and is left out. The narrowest of the rest is the solid as given; the narrowest of genus 0 is the surface.
-/// \param spacing typical distance between neighbours, mm: no grid is finer. \throws BadData when nothing encloses a
-/// volume (fewer than four points, all in one plane).
+/// to the narrowest gap that this bridges, a solid that loses more than 0.3 of the volume of the one before lets water
+/// in and is left out. The narrowest of the rest is the solid as given; the narrowest of genus 0 is the surface. \param
+/// spacing typical distance between neighbours, mm: no grid is finer. \throws BadData when nothing encloses a volume
+/// (fewer than four points, all in one plane).
 ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing);
 
 /// The largest part of a mask, cavities filled, closed with growing cubes until it has genus 0.

@@ -128,7 +128,7 @@ Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spa
   return morphed(wide, false, [](int inside, int all) { return inside == all; });
 }
 
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm) {
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share) {
   check_spacing(spacing_mm);
   const Box box = box_of(mask);
   const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels
@@ -163,22 +163,22 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
               (Vec3(at[0], at[1], at[2]).array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
           inside += inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset)) ? 1 : 0;
         }
-        voxels.at(i, j, k) = 2 * inside >= all ? 1 : 0;
+        voxels.at(i, j, k) = inside > 0 && inside >= share * all ? 1 : 0;
       }
     }
   }
   return voxels;
 }
 
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm) {
-  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm), *spacing_mm);
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share) {
+  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm, share), *spacing_mm);
   const double coarsest = coarsest_spacing(mask);
   constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
   std::vector<VoxelSeed> seeds;
   for (int step = 0; step < kMost; ++step) {
     const double spacing = coarsest * std::pow(0.5, 0.5 * step);
     if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
-    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing);
+    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share);
     const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
     if (!empty) seeds.push_back(finished(std::move(voxels), spacing));
   }

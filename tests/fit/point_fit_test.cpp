@@ -9,6 +9,7 @@
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/raster/closed_solid.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 
@@ -160,7 +161,7 @@ TEST(FitFrom, AnyGenusFromVoxels) {
   ModelChoice choice;
   choice.kind = ModelKind::catmull_clark;
   const GeometryData data = data_of(mesh);
-  const VoxelSeed voxels = voxel_seed_of_points(data.points, 4.0);
+  const VoxelSeed voxels = voxel_seed_of_mask(solid_of_points(data.points, 0.5).as_given, 4.0);
   ASSERT_EQ(voxels.genus, 1);
   PointFit fit = fit_from(*seed_surface(voxels.mesh, choice), data, {}, false);
   measure_fit(data, fit);
