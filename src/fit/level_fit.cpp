@@ -97,7 +97,7 @@ std::vector<double> distances_of(const std::vector<Attachment>& at) {
 double bending_weight(const SurfaceModel& model) {
   const double degree2 = 0.25 * control_point_count(model);
   // Facets of a normal-subdivision surface bend between their control points whatever these do.
-  const double share = std::holds_alternative<NormalModel>(model) ? 0.01 : 1.0;
+  const double share = std::holds_alternative<NormalModel>(model) ? 0.002 : 1.0;
   return 0.02 * share / (degree2 * degree2);
 }
 

@@ -30,7 +30,7 @@ double det(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 /// Weight of the inverse map's Dirichlet energy. Without it the map ripples along the directions that stretch does not
 /// see, and no smooth model can follow.
-constexpr double kInverse = 3.0;
+constexpr double kInverse = 2.0;
 
 /// What one triangle of the surface asks for: constant while vertices move on the sphere.
 struct TriangleCost {

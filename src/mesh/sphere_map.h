@@ -4,7 +4,7 @@
 /// Source: Praun, Hoppe 2003, "Spherical parametrization and remeshing": the mesh is collapsed to a tetrahedron, which
 /// is put on the sphere; vertices come back one by one into the kernel of their ring, and after each doubling or so
 /// all are moved, one at a time, to lessen the L2 stretch of the map from the sphere to the surface,
-///   E = sum_T A_T (s1^2 + s2^2)/2 (1 + 3 s^4/(s1 s2)^2),   s1, s2 the singular values of the linear map from the
+///   E = sum_T A_T (s1^2 + s2^2)/2 (1 + 2 s^4/(s1 s2)^2),   s1, s2 the singular values of the linear map from the
 /// spherical triangle to T, s^2 the surface's area over 4 pi: stretch both ways (the inverse keeps the map smooth),
 /// which is infinite where a triangle would fold and least where every part of the surface gets its share of the
 /// sphere. The steps are Newton's in the tangent plane of one vertex, with a line search that refuses folds.
