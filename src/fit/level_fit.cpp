@@ -22,7 +22,7 @@ constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in ro
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 // Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
-constexpr double kAnchor = 0.002;  ///< of sliding_rows, against springs of weight 1
+constexpr double kAnchor = 0.0002;  ///< of sliding_rows, against springs of weight 1
 constexpr int kHoldBacks = 6;
 
 /// About four samples a control point or more; see knot_layout_of.
