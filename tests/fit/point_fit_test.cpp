@@ -3,9 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <numbers>
-
-#include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
@@ -18,7 +15,7 @@
 namespace pellicle {
 namespace {
 
-GeometryData data_of(const TriangleMesh& mesh, int points = 3000) {
+GeometryData data_of(const TriangleMesh& mesh, int points = 1000) {
   GeometryData data;
   data.points = sample_surface(mesh, points);
   const ClosestPoint on(mesh);
@@ -49,9 +46,17 @@ SurfaceModel model_of(ModelKind kind, int detail) {
   return surface.model;
 }
 
+// Few steps are enough to see what these tests look at; clouds begin with nine that trust far points.
+PointFitSettings few_steps(const GeometryData& data) {
+  PointFitSettings settings;
+  settings.max_steps = data.robust ? 12 : 6;
+  return settings;
+}
+
 PointFit fitted(ModelKind kind, int detail, const GeometryData& data, const TriangleMesh& solid,
                 bool hold_out = false) {
-  PointFit fit = fit_to_map(model_of(kind, detail), data, {map_to_sphere(solid), Mat3::Identity()}, {}, hold_out);
+  PointFit fit =
+      fit_to_map(model_of(kind, detail), data, {map_to_sphere(solid), Mat3::Identity()}, few_steps(data), hold_out);
   measure_fit(data, fit);
   return fit;
 }
@@ -79,103 +84,100 @@ TEST(DiameterOf, IsTheLargestDistance) {
 class Kinds : public testing::TestWithParam<ModelKind> {};
 
 TEST_P(Kinds, EllipsoidsAreMetToTheirFacets) {
-  const TriangleMesh mesh = ellipsoid(4);
+  const TriangleMesh mesh = ellipsoid(3);
   const PointFit fit = fitted(GetParam(), 1, data_of(mesh), mesh);
-  // The facets of the data themselves miss the ellipsoid by 0.1 % of the diameter.
-  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.002 * 40.0) << fit.summary.to_surface.rms;
+  // The facets of the data themselves miss the ellipsoid by 0.4 % of the diameter.
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
   EXPECT_EQ(fit.summary.self_intersections, 0U);
 }
 
 TEST_P(Kinds, MoreDetailLeavesLess) {
-  const TriangleMesh mesh = bean(4);
+  const TriangleMesh mesh = bean(3);
   const GeometryData data = data_of(mesh);
   double before = 1e300;
-  for (const int detail : {0, 1, 2}) {
+  for (const int detail : {0, 1}) {
     const PointFit fit = fitted(GetParam(), detail, data, mesh);
     EXPECT_TRUE(fit.summary.to_surface.rms < 0.8 * before) << detail;
     EXPECT_TRUE(fit.summary.to_data.rms < 3.0 * fit.summary.to_surface.rms + 1e-3 * data.diameter) << detail;
     before = fit.summary.to_surface.rms;
   }
-  EXPECT_TRUE(before <= 0.01 * data.diameter) << before;
+  EXPECT_TRUE(before <= 0.02 * data.diameter) << before;
 }
 
 TEST_P(Kinds, KnowNoPlaceNoSizeAndNoTurn) {
-  const TriangleMesh mesh = bean(3);
-  const PointFit here = fitted(GetParam(), 1, data_of(mesh, 1500), mesh);
+  // Steps of the normal model are damped, millimetres and unit normals alike: only where they end is free of the size.
+  const auto settled = [](const TriangleMesh& mesh) {
+    const GeometryData data = data_of(mesh, 500);
+    const PointFitSettings settings = GetParam() == ModelKind::normal ? PointFitSettings{} : few_steps(data);
+    PointFit fit = fit_to_map(model_of(GetParam(), 1), data, {map_to_sphere(mesh), Mat3::Identity()}, settings, false);
+    measure_fit(data, fit);
+    return fit.summary.to_surface.rms;
+  };
+  const TriangleMesh mesh = bean(2);
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, -1, 2).normalized()).toRotationMatrix();
   const double size = 0.013;
   const TriangleMesh moved =
       test::moved(mesh, [&](const Vec3& x) -> Vec3 { return Vec3(3, 900, -70) + size * (turn * x); });
-  const PointFit there = fitted(GetParam(), 1, data_of(moved, 1500), moved);
-  EXPECT_NEAR(there.summary.to_surface.rms / (size * here.summary.to_surface.rms), 1.0, 0.05);
+  EXPECT_NEAR(settled(moved) / (size * settled(mesh)), 1.0, 0.05);
 }
 
-TEST_P(Kinds, NoiseAndOutliersMoveItLittle) {
-  const TriangleMesh mesh = bean(4);
-  std::vector<Vec3> points = sample_surface(mesh, 3000);
+TEST_P(Kinds, NoiseOutliersAndAHoleMoveItLittle) {
+  const TriangleMesh mesh = ellipsoid(3);
+  std::vector<Vec3> points = sample_surface(mesh, 1200);
+  std::erase_if(points, [](const Vec3& x) { return x.z() > 17.0; });
+  ASSERT_LT(points.size(), 1150U);
   RandomEngine random(9);
   for (Vec3& x : points) x += 0.2 * Vec3(random.normal(), random.normal(), random.normal());
-  for (int i = 0; i < 150; ++i)
-    points.emplace_back(random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-30, 30));
+  for (int i = 0; i < 60; ++i)
+    points.emplace_back(40 + random.uniform(-30, 30), random.uniform(-40, 20), random.uniform(-25, 35));
   GeometryData data = cloud_of(points);
-  data.diameter = diameter_of(mesh.vertices);
-  const PointFit fit = fitted(GetParam(), 2, data, mesh);
-  const SurfaceDistances d = surface_distances(measuring_mesh(fit.surface), mesh, 0.2, 4000);
-  EXPECT_TRUE(d.assd <= 0.15) << d.assd;  // less than the noise itself
-}
-
-TEST_P(Kinds, AHoleIsHeldBySmoothness) {
-  const TriangleMesh mesh = ellipsoid(4);
-  std::vector<Vec3> points = sample_surface(mesh, 4000);
-  std::erase_if(points, [](const Vec3& x) { return x.z() > 15.0; });
-  GeometryData data = cloud_of(points);
+  data.diameter = 40.0;
   const PointFit fit = fitted(GetParam(), 1, data, mesh);
-  const SurfaceDistances d = surface_distances(measuring_mesh(fit.surface), mesh, 0.2, 4000);
-  EXPECT_TRUE(d.hd <= 0.06 * 40.0) << d.hd;
+  const SurfaceDistances d = surface_distances(measuring_mesh(fit.surface), mesh, 0.2, 2000);
+  EXPECT_TRUE(d.assd <= 0.2) << d.assd;      // about the noise
+  EXPECT_TRUE(d.hd <= 0.05 * 40.0) << d.hd;  // in the hole
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Kinds, testing::Values(ModelKind::normal, ModelKind::spline));
 
-TEST(FitToMap, LeavesPointsOutWhenAsked) {
-  const TriangleMesh mesh = bean(3);
-  const GeometryData data = data_of(mesh, 1500);
-  EXPECT_TRUE(fitted(ModelKind::spline, 1, data, mesh, true).summary.held_out_rms > 0.0);
-  EXPECT_EQ(fitted(ModelKind::spline, 1, data, mesh, false).summary.held_out_rms, -1.0);
-}
-
-TEST(FitToMap, IsTheSameTwice) {
-  const TriangleMesh mesh = bean(3);
-  const GeometryData data = data_of(mesh, 1500);
-  EXPECT_EQ(fitted(ModelKind::spline, 1, data, mesh).surface.parameters,
-            fitted(ModelKind::spline, 1, data, mesh).surface.parameters);
+TEST(FitToMap, LeavesPointsOutWhenAskedAndIsTheSameTwice) {
+  const TriangleMesh mesh = bean(2);
+  const GeometryData data = data_of(mesh, 500);
+  const PointFit all = fitted(ModelKind::spline, 0, data, mesh), again = fitted(ModelKind::spline, 0, data, mesh),
+                 fewer = fitted(ModelKind::spline, 0, data, mesh, true);
+  EXPECT_EQ(all.summary.held_out_rms, -1.0);
+  EXPECT_EQ(all.surface.parameters, again.surface.parameters);
+  EXPECT_TRUE(fewer.summary.held_out_rms > 0.0);
+  EXPECT_NE(all.surface.parameters, fewer.surface.parameters);
 }
 
 TEST(ChooseAxis, ReturnsARotation) {
-  const Correspondence c = choose_axis(map_to_sphere(bean(3)), model_of(ModelKind::spline, 1));
+  const Correspondence c = choose_axis(map_to_sphere(bean(2)), model_of(ModelKind::spline, 1));
   EXPECT_NEAR(c.map_from_reference.determinant(), 1.0, 1e-12);
   EXPECT_LE((c.map_from_reference * c.map_from_reference.transpose() - Mat3::Identity()).norm(), 1e-12);
 }
 
 TEST(FitFrom, AnyGenusFromVoxels) {
-  const TriangleMesh mesh = test::torus(60, 30, 15.0, 5.0);
+  const TriangleMesh mesh = test::torus(30, 15, 15.0, 5.0);
   ModelChoice choice;
   choice.kind = ModelKind::catmull_clark;
   const GeometryData data = data_of(mesh);
-  const VoxelSeed voxels = voxel_seed_of_mask(solid_of_points(data.points, 0.5).as_given, 4.0);
+  const VoxelSeed voxels = voxel_seed_of_mask(solid_of_points(data.points, 0.5).as_given, 4.5);
   ASSERT_EQ(voxels.genus, 1);
-  PointFit fit = fit_from(*seed_surface(voxels.mesh, choice), data, {}, false);
+  PointFit fit = fit_from(*seed_surface(voxels.mesh, choice), data, few_steps(data), false);
   measure_fit(data, fit);
   EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * data.diameter) << fit.summary.to_surface.rms;
   EXPECT_EQ(topology_of(measuring_mesh(fit.surface)).genus, 1);
 }
 
 TEST(FitFrom, PullsASurfaceThatIsNear) {
-  const TriangleMesh mesh = ellipsoid(4);
+  const TriangleMesh mesh = ellipsoid(3);
   const SurfaceModel model = model_of(ModelKind::spline, 1);
   const Surface start{model, affine_image(model, Vec3(40, -10, 5), 14.0 * Mat3::Identity())};
-  PointFit fit = fit_from(start, data_of(mesh), {}, false);
-  measure_fit(data_of(mesh), fit);
-  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.002 * 40.0) << fit.summary.to_surface.rms;
+  const GeometryData data = data_of(mesh);
+  PointFit fit = fit_from(start, data, few_steps(data), false);
+  measure_fit(data, fit);
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
 }
 
 }  // namespace
