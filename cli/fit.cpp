@@ -51,7 +51,7 @@ int run_fit(const Flags& flags, const std::vector<std::string>& command_line, Co
   const GeometryFitResult result = fit_geometry(settings, context);
   const double diameter = result.input.data.diameter;
   std::cout << heading_of_fits() << "\n";
-  if (!settings.ladder.empty()) {
+  if (!result.settings.ladder.empty()) {
     for (const auto& fitted : result.tried) std::cout << line_of(fitted, diameter) << "\n";
   } else {
     std::cout << line_of(result.tried[result.chosen], diameter) << "\n";
@@ -77,9 +77,10 @@ Run add_fit(CLI::App& app, const std::vector<std::string>& command_line) {
       ->type_name("NAME")
       ->capture_default_str()
       ->group("Model");
-  app.add_option("--detail", s.detail,
-                 "refinements of the start model; with a tolerance: at most; default: until points that are left out "
-                 "gain no more")
+  app.add_option(
+         "--detail", s.detail,
+         "refinements of the start model; spline: the ladder of 10, 20, 40, 80 control points each way for N = 0, 1, "
+         "2, 3; with a tolerance: at most; default: until points that are left out gain no more")
       ->type_name("N")
       ->group("Model");
   app.add_option("--size", flags->size, "spline of M1 x M2 control points")->type_name("M1,M2")->group("Model");
@@ -97,6 +98,9 @@ Run add_fit(CLI::App& app, const std::vector<std::string>& command_line) {
                  "residual that the tolerance is about: rms, p95 or max, data to surface")
       ->type_name("WHICH")
       ->capture_default_str()
+      ->group("Model");
+  app.add_flag("--open", s.open,
+               "catmull-clark: the points are those of an open surface, a bowl, cap or tube; it ends at their rim")
       ->group("Model");
   app.add_option("--smoothness", s.smoothness, "factor of the bending energy")
       ->type_name("F")

@@ -9,6 +9,7 @@
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
+#include "pellicle/energies/rim_springs.h"
 #include "pellicle/fit/objective.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
@@ -23,6 +24,7 @@ constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this 
 // Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
 constexpr double kAnchor = 0.0002;  ///< of sliding_rows, against springs of weight 1
+constexpr double kRim = 0.1;        ///< of the rim's springs; they act along the surface, where little holds against
 constexpr int kHoldBacks = 6;
 
 /// About four samples a control point or more; see knot_layout_of.
@@ -154,6 +156,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       data_normals_.push_back((v[at(1)] - v[at(0)]).cross(v[at(2)] - v[at(0)]));
     }
   }
+  if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<PointTree>(data.rim);
   choose_points();
 }
 
@@ -264,6 +267,9 @@ void LevelFit::step() {
   }
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
+  if (rim_) {
+    rows.push_back({"rim springs", rim_spring_rows(layout_, samples, *rim_, 0.2 * data_.diameter, kRim)});
+  }
   const Parameters before = surface_.parameters;
   solve(std::move(rows));
   if (!cut_) hold_back(before);

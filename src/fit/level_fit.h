@@ -7,6 +7,7 @@
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/point_fit.h"
+#include "pellicle/mesh/point_tree.h"
 
 namespace pellicle {
 
@@ -65,6 +66,7 @@ class LevelFit {
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
   std::unique_ptr<ClosestPoint> data_surface_;
+  std::unique_ptr<PointTree> rim_;  ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;

@@ -59,7 +59,8 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {
   double least = -1.0;
   // Thirteen axes, towards faces, edges and corners of a cube: a code above 13 is one of these turned round.
   for (int code = 14; code < 27; ++code) {
-    const Vec3 axis = Vec3(code % 3 - 1, (code / 3) % 3 - 1, code / 9 - 1).normalized();
+    const int across = code % 3 - 1, along = code / 3 % 3 - 1, up = code / 9 - 1;
+    const Vec3 axis = Vec3(across, along, up).normalized();
     const Mat3 rotation = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
     const std::vector<Vec3> targets = targets_at(layout, map, rotation);
     Surface surface{probe, start_at_targets(probe, layout, targets)};
@@ -145,6 +146,9 @@ void measure_fit(const GeometryData& data, PointFit& fit) {
         residual_of(distances_of(samples, [&](const Vec3& x) { return tree.nearest(x, 1).front().distance; }));
   }
   fit.summary.self_intersections = self_intersection_count(mesh);
+  const MeshTopology topology = topology_of(mesh);
+  fit.summary.genus = topology.genus;
+  fit.summary.border_loops = topology.border_loops;
 }
 
 }  // namespace pellicle

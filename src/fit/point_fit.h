@@ -17,6 +17,7 @@ struct GeometryData {
   std::vector<Vec3> normals;            ///< outward, one a point; empty: not known
   std::vector<double> weights;          ///< one a point, >= 0; empty: all alike
   std::optional<TriangleMesh> surface;  ///< closed and outward when the data are one: samples are pulled to it as well
+  std::vector<Vec3> rim;                ///< points where an open surface ends; empty: it is closed
   bool robust = true;                   ///< points far off are outliers
   double diameter = 0.0;                ///< mm, see diameter_of
 };
@@ -47,6 +48,8 @@ struct PointFitSummary {
   Residual to_surface, to_data;
   double inlier_rms = 0.0;  ///< mm, data to surface, robust weights
   std::size_t self_intersections = 0;
+  int genus = 0;         ///< border loops, if any, thought closed by discs
+  int border_loops = 0;  ///< 0: closed
   double seconds = 0.0;
 };
 struct PointFit {

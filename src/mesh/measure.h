@@ -29,7 +29,8 @@ struct MeshTopology {
   bool oriented = false;  ///< every inner edge is run through once each way
   int components = 0;
   int euler = 0;            ///< V - E + F (vertices in use)
-  int genus = 0;            ///< sum over components; valid when closed, manifold and oriented
+  int border_loops = 0;     ///< rings of open edges; valid when manifold and oriented
+  int genus = 0;            ///< sum over components, border loops thought closed by discs; valid as border_loops is
   std::string first_fault;  ///< e.g. "edge 12-57 has 3 facets"; empty when all is well
 };
 MeshTopology topology_of(const TriangleMesh& mesh);

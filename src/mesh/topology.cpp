@@ -60,7 +60,8 @@ std::uint32_t next_corner(std::uint32_t corner) {
 
 class Survey {
  public:
-  explicit Survey(const TriangleMesh& mesh) : mesh_(mesh), fans_(3 * mesh.triangles.size()) {}
+  explicit Survey(const TriangleMesh& mesh)
+      : mesh_(mesh), fans_(3 * mesh.triangles.size()), rims_(mesh.vertices.size()), on_rim_(mesh.vertices.size()) {}
 
   MeshTopology run() {
     topology_.closed = topology_.manifold = topology_.oriented = !mesh_.triangles.empty();
@@ -92,6 +93,7 @@ class Survey {
     if (facets != 2) {
       topology_.closed = false;
       if (facets > 2) topology_.manifold = false;
+      if (facets == 1) add_rim(side[0].edge);
       fault(facets == 1 ? fmt::format("{} is open: it has one facet", edge_name(side[0].edge))
                         : fmt::format("{} has {} facets", edge_name(side[0].edge), facets));
     } else if (side[0].forward == side[1].forward) {
@@ -113,6 +115,12 @@ class Survey {
     }
   }
 
+  void add_rim(std::uint64_t edge) {
+    const auto a = static_cast<std::uint32_t>(edge >> 32), b = static_cast<std::uint32_t>(edge & 0xffffffffU);
+    on_rim_[a] = on_rim_[b] = true;
+    rims_.unite(a, b);
+  }
+
   void count(int edges) {
     DisjointSets parts(mesh_.vertices.size());
     std::vector<int> fans(mesh_.vertices.size());
@@ -131,13 +139,17 @@ class Survey {
       fault(fmt::format("vertex {} joins {} separate fans", v, fans[v]));
     }
     topology_.euler = used - edges + static_cast<int>(mesh_.triangles.size());
-    if (topology_.closed && topology_.manifold && topology_.oriented) {
-      topology_.genus = (2 * topology_.components - topology_.euler) / 2;
+    if (!topology_.manifold || !topology_.oriented) return;
+    for (std::size_t v = 0; v < on_rim_.size(); ++v) {
+      if (on_rim_[v] && rims_.find(static_cast<std::uint32_t>(v)) == v) ++topology_.border_loops;
     }
+    topology_.genus = (2 * topology_.components - topology_.border_loops - topology_.euler) / 2;
   }
 
   const TriangleMesh& mesh_;
   DisjointSets fans_;  ///< of corners: those around one vertex that are linked by edges
+  DisjointSets rims_;  ///< of vertices: those that are linked by open edges
+  std::vector<bool> on_rim_;
   MeshTopology topology_;
 };
 

@@ -9,7 +9,9 @@
 #include "pellicle/base/interrupt.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/raster/rasterize.h"
+#include "pellicle/seed/open_seed.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 #include "pellicle/surface/spline_interpolation.h"
@@ -191,7 +193,12 @@ class Levels {
     }
   }
 
-  Surface surface_on(const VoxelSeed& seed) const { return *seed_surface(seed.mesh, settings_.model); }
+  Surface surface_on(const VoxelSeed& seed) const {
+    if (!result_.input.open) return *seed_surface(seed.mesh, settings_.model);
+    const PointTree tree(data_.points);
+    auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, seed.spacing_mm);
+    return {std::move(model), std::move(parameters)};
+  }
 
   // When no grid shows the genus, the body's own does as well as it can.
   Surface first_seed() {
@@ -260,6 +267,10 @@ class Levels {
 
   int most_for_tolerance() const {
     if (!settings_.detail) return kMostForTolerance;
+    if (settings_.model.kind == ModelKind::spline) {
+      const int m = GeometryFitSettings::kFirstRung << *settings_.detail;
+      return control_point_count(spline_of(m, m).of());
+    }
     Surface surface = from_map_ ? Surface{start_model(settings_.model), {}} : *seed_;
     if (from_map_) surface.parameters = affine_image(surface.model, Vec3::Zero(), Mat3::Identity());
     for (int k = 0; k < *settings_.detail; ++k) surface = refine(surface);

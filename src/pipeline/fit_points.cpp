@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pellicle/base/atomic_file.h"
@@ -61,12 +62,14 @@ void measure_mesh(GeometryFitResult& result) {
   for (const Vec3& v : result.mesh.vertices) {
     if (!v.allFinite()) throw Error(1, "fit failed (surface): it is not finite; please report this");
   }
-  if (volume_of(result.mesh) < 0.0) {
+  const bool closed = is_closed(surface.model);
+  if (closed && volume_of(result.mesh) < 0.0) {
     for (auto& t : result.mesh.triangles) std::swap(t[1], t[2]);
     for (Vec3& n : result.mesh.normals) n = -n;
   }
   result.topology = topology_of(result.mesh);
-  result.volume_ml = std::abs(volume_with_normals(tessellate(surface, density_for(surface)))) / 1000.0;
+  result.volume_ml = closed ? std::abs(volume_with_normals(tessellate(surface, density_for(surface)))) / 1000.0
+                            : std::numeric_limits<double>::quiet_NaN();
   result.area_mm2 = area_of(result.mesh);
 }
 
@@ -89,12 +92,23 @@ bool GeometryFitSettings::writes(const std::string& kind) const {
   return std::find(write.begin(), write.end(), kind) != write.end();
 }
 
+std::vector<int> GeometryFitSettings::rungs() const {
+  if (model.kind != ModelKind::spline || !detail || tolerance_mm || tolerance_percent) return ladder;
+  std::vector<int> sizes;
+  for (int k = 0; k <= *detail; ++k) sizes.push_back(kFirstRung << k);
+  return sizes;
+}
+
 void GeometryFitSettings::validate() const {
   const auto refuse = [](const std::string& flag, const std::string& value, const std::string& rule) {
     throw UsageError(fmt::format("bad value (--{} {}): {}", flag, value, rule));
   };
   const bool spline = model.kind == ModelKind::spline;
-  if (detail && (*detail < 0 || *detail > 12)) refuse("detail", std::to_string(*detail), "must be 0 to 12");
+  const int most_detail = spline ? 3 : 12;
+  if (detail && (*detail < 0 || *detail > most_detail)) {
+    refuse("detail", std::to_string(*detail),
+           spline ? "must be 0 to 3: splines of 10, 20, 40, 80 points each way" : "must be 0 to 12");
+  }
   if (tolerance_mm && !(*tolerance_mm > 0.0))
     refuse("tolerance-mm", fmt::format("{}", *tolerance_mm), "must be positive");
   if (tolerance_percent && !(*tolerance_percent > 0.0))
@@ -105,6 +119,8 @@ void GeometryFitSettings::validate() const {
     refuse("smoothness", fmt::format("{}", smoothness), "must be positive");
   if (mesh_density && (*mesh_density < 0 || *mesh_density > 7))
     refuse("mesh-density", std::to_string(*mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
+  if (open && model.kind != ModelKind::catmull_clark)
+    throw UsageError("flag without its model (--open): surfaces with a rim are fitted by --model catmull-clark");
   if ((size || !ladder.empty()) && !spline)
     throw UsageError("flag without its model (--size, --ladder): they are about splines; give --model spline");
   if ((size ? 1 : 0) + (ladder.empty() ? 0 : 1) + (detail || tolerance_mm || tolerance_percent ? 1 : 0) > 1) {
@@ -133,15 +149,15 @@ int GeometryFitResult::exit_code() const {
 }
 
 std::string heading_of_fits() {
-  return fmt::format("{:>12} {:>6} {:>10} {:>8} {:>10} {:>8} {:>6}  {:<16} {:>8}", "size", "points", "rms_mm", "rms_%",
-                     "max_mm", "max_%", "cuts", "status", "seconds");
+  return fmt::format("{:>12} {:>6} {:>10} {:>8} {:>10} {:>8} {:>5} {:>6}  {:<16} {:>8}", "size", "points", "rms_mm",
+                     "rms_%", "max_mm", "max_%", "genus", "cuts", "status", "seconds");
 }
 
 std::string line_of(const FittedSurface& fitted, double diameter) {
   const PointFitSummary& s = fitted.fit.summary;
-  return fmt::format("{:>12} {:>6} {:>10.4g} {:>8.4f} {:>10.4g} {:>8.4f} {:>6}  {:<16} {:>8.2f}", fitted.name,
+  return fmt::format("{:>12} {:>6} {:>10.4g} {:>8.4f} {:>10.4g} {:>8.4f} {:>5} {:>6}  {:<16} {:>8.2f}", fitted.name,
                      s.control_points, s.to_surface.rms, 100.0 * s.to_surface.rms / diameter, s.to_surface.max,
-                     100.0 * s.to_surface.max / diameter, s.self_intersections, fitted.status, s.seconds);
+                     100.0 * s.to_surface.max / diameter, s.genus, s.self_intersections, fitted.status, s.seconds);
 }
 
 GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunContext& context) {
@@ -149,6 +165,7 @@ GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunCon
   settings.validate();
   GeometryFitResult result;
   result.settings = settings;
+  result.settings.ladder = settings.rungs();
   PhaseClock clock;
   clock.start("read");
   const fs::path file = parse_mask_argument(settings.input).file;
@@ -156,12 +173,12 @@ GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunCon
   if (!fs::exists(file, ignored)) {
     throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", file.string()));
   }
-  const std::vector<PlannedFile> plan = plan_of(settings);
+  const std::vector<PlannedFile> plan = plan_of(result.settings);
   std::vector<fs::path> paths;
   paths.reserve(plan.size());
   for (const auto& planned : plan) paths.push_back(planned.path);
   check_outputs(paths, settings.overwrite, {file});
-  result.input = read_geometry(settings.input);
+  result.input = read_geometry(settings.input, settings.open);
   check_model(settings.model.kind, result.input);
   for (const auto& warning : result.input.warnings) {
     if (context.warn) context.warn(fmt::format("{}: {}", file.string(), warning));

@@ -19,11 +19,13 @@ struct GeometryFitSettings {
   std::filesystem::path output;
   std::string name;  ///< file stem; empty: the input's name without its extensions
   ModelChoice model;
-  std::optional<int> detail;                              ///< refinements of the start model; with a tolerance: at most
+  /// Refinements of the start model; of a spline the last rung, see rungs(); with a tolerance: at most.
+  std::optional<int> detail;
   std::optional<double> tolerance_mm, tolerance_percent;  ///< of the residual, data to surface
   ToleranceOf tolerance_of = ToleranceOf::rms;
   std::optional<std::array<int, 2>> size;  ///< M1, M2 of a spline
   std::vector<int> ladder;                 ///< one fit of M x M control points each
+  bool open = false;                       ///< the data are an open surface with a rim (catmull-clark)
   double smoothness = 1.0;
   std::vector<std::string> write{"mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
@@ -31,6 +33,9 @@ struct GeometryFitSettings {
   int threads = 0;
   bool overwrite = false;
 
+  static constexpr int kFirstRung = 10;
+  /// M of the fits of M x M control points that are asked for: the ladder, or 10, 20, 40, 80 up to a spline's detail.
+  std::vector<int> rungs() const;
   bool writes(const std::string& kind) const;
   /// \throws UsageError naming the flag, its value and the rule.
   void validate() const;
@@ -51,7 +56,8 @@ struct GeometryFitResult {
   double stretch = 0.0;              ///< of the spherical map, 0: none was needed
   TriangleMesh mesh;
   MeshTopology topology;
-  double volume_ml = 0.0, area_mm2 = 0.0;
+  double volume_ml = 0.0;  ///< not a number: the surface is open
+  double area_mm2 = 0.0;
   std::vector<InputFile> inputs;
   std::vector<OutputFile> outputs;
   std::vector<std::pair<std::string, double>> seconds;
@@ -61,7 +67,7 @@ struct GeometryFitResult {
 /// \throws what read_geometry and the writers throw; UsageError; CannotCreate before any work; Interrupted.
 GeometryFitResult fit_geometry(const GeometryFitSettings& settings, const RunContext& context);
 
-/// "control_points rms_mm rms_percent max_mm max_percent self_intersections status seconds", and its heading.
+/// Size, control points, rms and max in mm and %, genus, self-intersections, status, seconds; and the heading.
 std::string heading_of_fits();
 std::string line_of(const FittedSurface& fitted, double diameter);
 

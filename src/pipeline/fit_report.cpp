@@ -40,6 +40,8 @@ json fit_json(const FittedSurface& fitted, double diameter) {
   out["held_out_rms_mm"] = s.held_out_rms >= 0.0 ? number(s.held_out_rms) : json(nullptr);
   out["inlier_rms_mm"] = number(s.inlier_rms);
   out["self_intersections"] = s.self_intersections;
+  out["genus"] = s.genus;
+  out["border_loops"] = s.border_loops;
   out["steps"] = s.steps;
   out["solver_iterations"] = s.solver_iterations;
   out["seconds"] = s.seconds;
@@ -62,6 +64,7 @@ json settings_json(const GeometryFitSettings& s) {
   out["tolerance-of"] = name_of_tolerance(s.tolerance_of);
   out["size"] = s.size ? json({(*s.size)[0], (*s.size)[1]}) : json(nullptr);
   out["ladder"] = s.ladder;
+  out["open"] = s.open;
   out["smoothness"] = s.smoothness;
   out["write"] = s.write;
   out["mesh-format"] = name_of(s.mesh_format);
@@ -89,6 +92,7 @@ json report_of(const GeometryFitResult& result, const std::vector<std::string>& 
                      {"points", data.points.size()},
                      {"closed_surface", data.surface.has_value()},
                      {"genus", result.input.genus},
+                     {"rim_points", data.rim.size()},
                      {"diameter_mm", number(data.diameter)},
                      {"bridged_mm", number(result.input.bridged_mm)},
                      {"spherical_stretch", result.stretch > 0.0 ? number(result.stretch) : json(nullptr)}};
@@ -98,7 +102,6 @@ json report_of(const GeometryFitResult& result, const std::vector<std::string>& 
   object["area_mm2"] = number(result.area_mm2);
   object["mesh"] = {{"vertices", result.mesh.vertices.size()}, {"triangles", result.mesh.triangles.size()}};
   object["watertight"] = result.topology.closed && result.topology.manifold && result.topology.oriented;
-  object["genus"] = result.topology.genus;
   object["components"] = result.topology.components;
   report["object"] = object;
   json tried = json::array(), inputs = json::array(), outputs = json::array();

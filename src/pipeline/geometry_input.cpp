@@ -13,8 +13,10 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/mesh_file.h"
 #include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/pipeline/seeding.h"
 #include "pellicle/raster/closed_solid.h"
+#include "pellicle/raster/cup.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -62,6 +64,20 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, std::size_t most) {
   return out;
 }
 
+// Data that end: their rim, and a body filled up to the mouth.
+void take_rim(const std::string& name, const std::vector<Vec3>& points, GeometryInput& input) {
+  const PointTree tree(points);
+  input.data.rim = rim_of(tree, plane_normals(tree));
+  if (input.data.rim.empty()) {
+    throw BadData(fmt::format("no rim ({}): its points end nowhere; leave --open out for a closed surface", name));
+  }
+  try {
+    input.body = filled_cup(points, point_spacing(tree));
+  } catch (const BadData& fault) {
+    throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
+  }
+}
+
 void lay_shell(const std::string& name, GeometryInput& input) {
   const std::vector<Vec3> thin = thinned(input.data.points, 200000);
   const PointTree tree(thin);
@@ -72,6 +88,10 @@ void lay_shell(const std::string& name, GeometryInput& input) {
                     thin.size() - kept.size(), thin.size()));
   }
   input.data.diameter = diameter_of(kept);
+  if (input.open) {
+    take_rim(name, kept, input);
+    return;
+  }
   try {
     ClosedSolid solid = solid_of_points(kept, point_spacing(tree));
     input.solid = std::move(solid.surface);
@@ -83,8 +103,9 @@ void lay_shell(const std::string& name, GeometryInput& input) {
   }
 }
 
-GeometryInput from_points(const fs::path& path) {
+GeometryInput from_points(const fs::path& path, bool open) {
   GeometryInput input;
+  input.open = open;
   PointCloud cloud = read_points(path);
   input.kind = cloud.grid ? "grid" : "points";
   if (cloud.points.size() < kLeastPoints) {
@@ -97,6 +118,11 @@ GeometryInput from_points(const fs::path& path) {
     throw BadData(fmt::format("no weight ({}): every point has weight 0", path.string()));
   }
   input.grid = std::move(cloud.grid);
+  if (input.grid && open) {
+    throw UsageError(fmt::format(
+        "bad value (--open, -i {}): a grid of points is interpolated as a sphere or torus; leave --open out",
+        path.string()));
+  }
   if (input.grid) {
     input.data.robust = false;
     input.data.diameter = diameter_of(input.data.points);
@@ -124,17 +150,20 @@ void take_surface(TriangleMesh mesh, GeometryInput& input) {
   input.data.surface = std::move(mesh);
 }
 
-GeometryInput from_mesh(const fs::path& path) {
+GeometryInput from_mesh(const fs::path& path, bool open) {
   GeometryInput input;
+  input.open = open;
   input.kind = "mesh";
   TriangleMesh mesh = read_mesh(path);
   if (!(area_of(mesh) > 0.0)) throw BadData(fmt::format("cannot fit ({}): its facets have no area", path.string()));
   const MeshTopology topology = topology_of(mesh);
   const bool surface = topology.closed && topology.manifold && topology.oriented && topology.components == 1;
-  if (!surface) {
-    input.warnings.push_back(fmt::format(
-        "the mesh is no closed surface of one part ({}): it is treated as points",
-        topology.first_fault.empty() ? fmt::format("{} parts", topology.components) : topology.first_fault));
+  if (!surface || open) {
+    if (!open) {
+      input.warnings.push_back(fmt::format(
+          "the mesh is no closed surface of one part ({}): it is treated as points",
+          topology.first_fault.empty() ? fmt::format("{} parts", topology.components) : topology.first_fault));
+    }
     input.data.points = sample_surface(mesh, 3 * kMeshSamples);
     lay_shell(path.string(), input);
     return input;
@@ -191,7 +220,7 @@ GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
 
 }  // namespace
 
-GeometryInput read_geometry(const std::string& argument) {
+GeometryInput read_geometry(const std::string& argument, bool open) {
   const MaskArgument mask = parse_mask_argument(argument);
   std::error_code ignored;
   if (!fs::exists(mask.file, ignored)) {
@@ -203,7 +232,12 @@ GeometryInput read_geometry(const std::string& argument) {
     throw UsageError(
         fmt::format("bad value (-i {}): only a label map has labels; leave ':{}' away", argument, *mask.label));
   }
-  GeometryInput input = points ? from_points(mask.file) : mesh ? from_mesh(mask.file) : from_mask(argument, mask);
+  if (open && !points && !mesh) {
+    throw UsageError(fmt::format("bad value (--open, -i {}): a mask is closed; leave --open out", argument));
+  }
+  GeometryInput input = points ? from_points(mask.file, open)
+                        : mesh ? from_mesh(mask.file, open)
+                               : from_mask(argument, mask);
   input.file = mask.file;
   return input;
 }

@@ -45,9 +45,9 @@ json report_in(const Scratch& scratch, const std::string& name) {
 
 TEST(Fit, PointsToModelMeshAndReport) {
   const Scratch scratch;
-  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(3000);
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(800);
   const Outcome outcome =
-      run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--model", "spline", "--detail", "1"}, scratch);
+      run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--model", "spline", "--size", "6,4"}, scratch);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(line_count(outcome.out), 2) << outcome.out;
@@ -65,7 +65,9 @@ TEST(Fit, PointsToModelMeshAndReport) {
   EXPECT_EQ(report["inputs"][0]["sha256"].get<std::string>().size(), 64U);
   EXPECT_EQ(report["outputs"].size(), 2U);
   // The files may be used: the model is exported, the mesh fitted again.
-  EXPECT_EQ(run({"export", scratch("out/egg_model.json"), "--mesh", scratch("again.stl")}, scratch).exit_code, 0);
+  EXPECT_EQ(run({"export", scratch("out/egg_model.json"), "--mesh", scratch("again.stl"), "--density", "3"}, scratch)
+                .exit_code,
+            0);
   EXPECT_EQ(
       run({"fit", "-i", scratch("again.stl"), "-o", scratch("out2"), "--detail", "1", "--write", "report"}, scratch)
           .exit_code,
@@ -75,7 +77,7 @@ TEST(Fit, PointsToModelMeshAndReport) {
 
 TEST(Fit, TheToleranceTakesTheFewestControlPoints) {
   const Scratch scratch;
-  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(2000);
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(500);
   const Outcome outcome =
       run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--tolerance-percent", "1"}, scratch);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -89,7 +91,7 @@ TEST(Fit, TheToleranceTakesTheFewestControlPoints) {
 
 TEST(Fit, AMissedToleranceIsExitCodeThreeAndFilesAreThere) {
   const Scratch scratch;
-  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(2000);
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(500);
   const Outcome outcome =
       run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--tolerance-mm", "1e-9", "--detail", "0"}, scratch);
   EXPECT_EQ(outcome.exit_code, 3);
@@ -111,7 +113,7 @@ TEST(Fit, AGridIsInterpolated) {
 
 TEST(Fit, ALadderIsATableAndAPicture) {
   const Scratch scratch;
-  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(1500);
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(400);
   const Outcome outcome =
       run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--model", "spline", "--ladder", "4,6,8"}, scratch);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -120,11 +122,44 @@ TEST(Fit, ALadderIsATableAndAPicture) {
   EXPECT_EQ(report_in(scratch, "egg")["levels"].size(), 3U);
 }
 
+TEST(Fit, DetailOfASplineIsTheLadderOfDoubledSizes) {
+  const Scratch scratch;
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(400);
+  const Outcome outcome =
+      run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--model", "spline", "--detail", "0"}, scratch);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(line_count(outcome.out), 2) << outcome.out;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("10 x 10"));
+  EXPECT_THAT(read_text(scratch / "out/egg_ladder.png"), testing::StartsWith("\x89PNG"));
+}
+
+TEST(Fit, AnOpenSurface) {
+  const Scratch scratch;
+  std::ofstream file(scratch / "half.xyz");
+  std::istringstream all(ellipsoid_points(1600));
+  for (std::string line; std::getline(all, line);) {
+    if (std::stod(line.substr(line.rfind(' '))) > 0.0) file << line << "\n";
+  }
+  file.close();
+  const Outcome outcome = run(
+      {"fit", "-i", scratch("half.xyz"), "-o", scratch("out"), "--model", "catmull-clark", "--open", "--detail", "0"},
+      scratch);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json object = report_in(scratch, "half")["object"];
+  EXPECT_EQ(object["border_loops"], 1);
+  EXPECT_EQ(object["genus"], 0);
+  EXPECT_FALSE(object["watertight"].get<bool>());
+  EXPECT_TRUE(object["volume_ml"].is_null());
+  EXPECT_TRUE(object["data_to_surface"]["rms_percent"].get<double>() < 0.5);
+  EXPECT_EQ(run({"export", scratch("out/half_model.json"), "--mesh", scratch("open.ply")}, scratch).exit_code, 0);
+  EXPECT_EQ(run({"fit", "-i", scratch("half.xyz"), "-o", scratch("out"), "--open"}, scratch).exit_code, 64);
+}
+
 TEST(Fit, TheSameBytesForAnyNumberOfThreads) {
   const Scratch scratch;
-  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(1500);
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(400);
   for (const char* threads : {"1", "2"}) {
-    run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--name", threads, "--model", "spline", "--detail", "1",
+    run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("out"), "--name", threads, "--model", "spline", "--size", "6,4",
          "--threads", threads},
         scratch);
   }
@@ -176,6 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"a.xyz", "1 2 3\n", {"--model", "cube"}, 64, "--model cube"},
         Broken{"a.xyz", "1 2 3\n", {"--size", "4"}, 64, "--size"},
         Broken{"a.xyz", "1 2 3\n", {"--size", "10,10"}, 64, "--model spline"},
+        Broken{"a.xyz", "1 2 3\n", {"--model", "spline", "--detail", "4"}, 64, "0 to 3"},
         Broken{"a.xyz", "1 2 3\n", {"--tolerance-mm", "-1"}, 64, "must be positive"},
         Broken{"a.xyz", "1 2 3\n", {"--tolerance-mm", "1", "--tolerance-percent", "1"}, 64, "give one of them"},
         Broken{"a.xyz", "1 2 3\n", {"--model", "spline", "--ladder", "10", "--detail", "1"}, 64, "give one"},

@@ -6,7 +6,10 @@
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/raster/closed_solid.h"
+#include "pellicle/raster/cup.h"
+#include "pellicle/seed/open_seed.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 
@@ -178,6 +181,32 @@ TEST(FitFrom, PullsASurfaceThatIsNear) {
   PointFit fit = fit_from(start, data, few_steps(data), false);
   measure_fit(data, fit);
   EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
+}
+
+TEST(FitFrom, AnOpenSurfaceEndsAtTheRim) {
+  // Half of a blob, cut by the plane z = 0; points are 0.6 mm apart.
+  std::vector<Vec3> points;
+  for (int k = 0; k < 3000; ++k) {
+    const double z = 1.0 - 2.0 * (k + 0.5) / 3000, r = std::sqrt(1.0 - z * z), angle = 2.399963229728653 * k;
+    const Vec3 n(r * std::cos(angle), r * std::sin(angle), z);
+    if (z > 0.0) points.push_back(10.0 * (1.0 + 0.2 * n.x() * n.y() + 0.15 * n.x() * n.x()) * n);
+  }
+  GeometryData data = cloud_of(points);
+  const PointTree tree(points);
+  const std::vector<Vec3> normals = plane_normals(tree);
+  data.rim = rim_of(tree, normals);
+  const VoxelSeed voxels = voxel_seed_of_mask(filled_cup(points, point_spacing(tree)), 4.0);
+  auto [model, parameters] = open_seed(voxels.mesh, {tree, normals}, voxels.spacing_mm);
+  PointFit fit = fit_from({std::move(model), std::move(parameters)}, data, few_steps(data), false);
+  measure_fit(data, fit);
+  EXPECT_EQ(fit.summary.border_loops, 1);
+  EXPECT_EQ(fit.summary.genus, 0);
+  EXPECT_EQ(fit.summary.self_intersections, 0U);
+  EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * data.diameter) << fit.summary.to_surface.rms;
+  double lowest = 0.0;
+  for (const Vec3& x : measuring_mesh(fit.surface).vertices) lowest = std::min(lowest, x.z());
+  EXPECT_TRUE(lowest >= -0.6) << lowest;                                         // it does not go on
+  EXPECT_TRUE(fit.summary.to_surface.max <= 0.6) << fit.summary.to_surface.max;  // nor ends before
 }
 
 }  // namespace

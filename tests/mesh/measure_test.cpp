@@ -60,6 +60,15 @@ TEST(Topology, KnownSurfaces) {
   check(test::together(test::sphere(1, 1), test::torus(12, 8, 3, 1)), 2, 1);
 }
 
+TEST(Topology, BorderLoopsAreThoughtClosed) {
+  TriangleMesh torus = test::torus(12, 8, 3, 1);
+  torus.triangles.pop_back();
+  torus.triangles.erase(torus.triangles.begin());
+  EXPECT_EQ(topology_of(torus).border_loops, 2);
+  EXPECT_EQ(topology_of(torus).genus, 1);
+  EXPECT_EQ(topology_of(test::sphere(1, 1)).border_loops, 0);
+}
+
 TEST(Topology, NamesTheFirstFault) {
   TriangleMesh open = test::sphere(1, 1);
   open.triangles.pop_back();

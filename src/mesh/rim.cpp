@@ -1,0 +1,77 @@
+#include "pellicle/mesh/rim.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pellicle/base/parallel.h"
+
+namespace pellicle {
+
+namespace {
+
+// Widest angle about the normal in which no neighbour lies.
+double widest_gap(const PointTree& tree, const std::vector<PointTree::Neighbour>& ring, const Vec3& at,
+                  const Vec3& normal) {
+  const Vec3 t1 = normal.unitOrthogonal(), t2 = normal.cross(t1);
+  std::vector<double> angles;
+  angles.reserve(ring.size());
+  for (const auto& neighbour : ring) {
+    const Vec3 d = tree.points()[static_cast<std::size_t>(neighbour.point)] - at;
+    if (neighbour.distance > 0.0) angles.push_back(std::atan2(d.dot(t2), d.dot(t1)));
+  }
+  if (angles.empty()) return 2.0 * std::numbers::pi;
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 2.0 * std::numbers::pi - angles.back();
+  for (std::size_t k = 1; k < angles.size(); ++k) widest = std::max(widest, angles[k] - angles[k - 1]);
+  return widest;
+}
+
+}  // namespace
+
+std::vector<Vec3> plane_normals(const PointTree& tree) {
+  constexpr int kNeighbours = 12;
+  const std::vector<Vec3>& points = tree.points();
+  std::vector<Vec3> normals(points.size());
+  parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto ring = tree.nearest(points[i], kNeighbours + 1);
+      Vec3 mean = Vec3::Zero();
+      for (const auto& n : ring) mean += points[static_cast<std::size_t>(n.point)];
+      mean /= static_cast<double>(ring.size());
+      Mat3 spread = Mat3::Zero();
+      for (const auto& n : ring) {
+        const Vec3 d = points[static_cast<std::size_t>(n.point)] - mean;
+        spread += d * d.transpose();
+      }
+      normals[i] = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0);
+    }
+  });
+  return normals;
+}
+
+std::vector<Vec3> rim_of(const PointTree& tree, const std::vector<Vec3>& normals) {
+  constexpr int kNeighbours = 24;
+  constexpr double kGap = 0.8 * std::numbers::pi;
+  const std::vector<Vec3>& points = tree.points();
+  std::vector<std::uint8_t> candidate(points.size());
+  parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      candidate[i] = widest_gap(tree, tree.nearest(points[i], kNeighbours + 1), points[i], normals[i]) > kGap;
+    }
+  });
+  // Along a straight rim, half a disc of 24 neighbours has about five of them; points inside have one by chance.
+  std::vector<Vec3> rim;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (candidate[i] == 0) continue;
+    const auto ring = tree.nearest(points[i], kNeighbours + 1);
+    const auto beside = std::count_if(ring.begin(), ring.end(), [&](const PointTree::Neighbour& n) {
+      return candidate[static_cast<std::size_t>(n.point)] != 0;
+    });
+    if (beside >= 4) rim.push_back(points[i]);  // itself and three more
+  }
+  return rim;
+}
+
+}  // namespace pellicle

@@ -1,0 +1,201 @@
+#include "pellicle/seed/open_seed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/seed/seed_surface.h"
+
+namespace pellicle {
+namespace {
+
+constexpr int kSweeps = 6;
+
+/// Quads of one mesh, of which some are kept.
+class Part {
+ public:
+  Part(const QuadMesh& mesh, std::vector<bool> kept) : mesh_(mesh), kept_(std::move(kept)) {
+    for (int q = 0; q < static_cast<int>(mesh.quads.size()); ++q) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        quad_of_[{corner(q, c), corner(q, c + 1)}] = q;
+        around_[corner(q, c)].push_back(q);
+      }
+    }
+  }
+
+  /// Sets of kept (or of left) quads that hang together by edges.
+  std::vector<std::vector<int>> parts(bool of_kept) const {
+    std::vector<bool> seen(kept_.size(), false);
+    std::vector<std::vector<int>> result;
+    for (int q = 0; q < static_cast<int>(kept_.size()); ++q) {
+      if (seen[idx(q)] || kept_[idx(q)] != of_kept) continue;
+      std::vector<int> part{q};
+      seen[idx(q)] = true;
+      for (std::size_t at = 0; at < part.size(); ++at) {
+        for (std::size_t c = 0; c < 4; ++c) {
+          const int next = beside(part[at], c);
+          if (next < 0 || seen[idx(next)] || kept_[idx(next)] != of_kept) continue;
+          seen[idx(next)] = true;
+          part.push_back(next);
+        }
+      }
+      result.push_back(std::move(part));
+    }
+    return result;
+  }
+
+  void fill_small_holes() {
+    constexpr std::size_t kSmall = 4;
+    for (const auto& hole : parts(false)) {
+      if (hole.size() >= kSmall) continue;
+      for (const int q : hole) kept_[idx(q)] = true;
+    }
+  }
+
+  void keep_largest() {
+    const auto all = parts(true);
+    const auto largest =
+        std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    kept_.assign(kept_.size(), false);
+    if (largest == all.end()) return;
+    for (const int q : *largest) kept_[idx(q)] = true;
+  }
+
+  /// Leaves out quads that hang by one edge and those of the smaller fans at a vertex; returns whether any was.
+  bool trim() {
+    bool any = false;
+    for (int q = 0; q < static_cast<int>(kept_.size()); ++q) {
+      if (!kept_[idx(q)]) continue;
+      int joined = 0;
+      for (std::size_t c = 0; c < 4; ++c) joined += is_kept(beside(q, c)) ? 1 : 0;
+      if (joined > 1) continue;
+      kept_[idx(q)] = false;
+      any = true;
+    }
+    for (const auto& [vertex, quads] : around_) {
+      const std::vector<std::vector<int>> fans = fans_at(vertex, quads);
+      for (std::size_t f = 0; f + 1 < fans.size(); ++f) {
+        for (const int q : fans[f]) kept_[idx(q)] = false;
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  /// The kept quads with a strip around them, vertices renumbered.
+  QuadMesh sewn() const {
+    QuadMesh out;
+    std::map<int, int> number;
+    const auto numbered = [&](int v) {
+      const auto [at, is_new] = number.try_emplace(v, static_cast<int>(out.vertices.size()));
+      if (is_new) out.vertices.push_back(mesh_.vertices[idx(v)]);
+      return at->second;
+    };
+    std::map<int, int> after, before;
+    for (int q = 0; q < static_cast<int>(kept_.size()); ++q) {
+      if (!kept_[idx(q)]) continue;
+      Quad quad{};
+      for (std::size_t c = 0; c < 4; ++c) {
+        quad[c] = numbered(corner(q, c));
+        if (is_kept(beside(q, c))) continue;
+        after[corner(q, c)] = corner(q, c + 1);
+        before[corner(q, c + 1)] = corner(q, c);
+      }
+      out.quads.push_back(quad);
+    }
+    std::map<int, int> rim;
+    for (const auto& [v, next] : after) {
+      rim[v] = static_cast<int>(out.vertices.size());
+      out.vertices.push_back(beyond(v, before.at(v), next));
+    }
+    for (const auto& [v, next] : after) {
+      out.quads.push_back({numbered(next), numbered(v), rim.at(v), rim.at(next)});
+    }
+    return out;
+  }
+
+ private:
+  static std::size_t idx(int i) { return static_cast<std::size_t>(i); }
+  int corner(int quad, std::size_t c) const { return mesh_.quads[idx(quad)][c % 4]; }
+  int beside(int quad, std::size_t c) const {
+    const auto at = quad_of_.find({corner(quad, c + 1), corner(quad, c)});
+    return at == quad_of_.end() ? -1 : at->second;
+  }
+  bool is_kept(int quad) const { return quad >= 0 && kept_[idx(quad)]; }
+
+  // Kept quads around a vertex that hang together by its edges, the smallest set first.
+  std::vector<std::vector<int>> fans_at(int vertex, const std::vector<int>& quads) const {
+    std::vector<std::vector<int>> fans;
+    std::vector<int> left;
+    std::copy_if(quads.begin(), quads.end(), std::back_inserter(left), [&](int q) { return is_kept(q); });
+    while (!left.empty()) {
+      std::vector<int> fan{left.back()};
+      left.pop_back();
+      for (std::size_t at = 0; at < fan.size(); ++at) {
+        for (std::size_t c = 0; c < 4; ++c) {
+          if (corner(fan[at], c) != vertex && corner(fan[at], c + 1) != vertex) continue;
+          const auto next = std::find(left.begin(), left.end(), beside(fan[at], c));
+          if (next == left.end()) continue;
+          fan.push_back(*next);
+          left.erase(next);
+        }
+      }
+      fans.push_back(std::move(fan));
+    }
+    std::stable_sort(fans.begin(), fans.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    return fans;
+  }
+
+  // Half an edge further than a border vertex, across the border.
+  Vec3 beyond(int vertex, int previous, int next) const {
+    const Vec3 &x = mesh_.vertices[idx(vertex)], along = mesh_.vertices[idx(next)] - mesh_.vertices[idx(previous)];
+    Vec3 inward = Vec3::Zero();
+    for (const int q : around_.at(vertex)) {
+      if (!is_kept(q)) continue;
+      for (std::size_t c = 0; c < 4; ++c) inward += 0.25 * (mesh_.vertices[idx(corner(q, c))] - x);
+    }
+    const Vec3 t = along.normalized();
+    inward -= inward.dot(t) * t;
+    return x - 0.25 * along.norm() * inward.normalized();
+  }
+
+  const QuadMesh& mesh_;
+  std::vector<bool> kept_;
+  std::map<std::pair<int, int>, int> quad_of_;  ///< by its directed edges
+  std::map<int, std::vector<int>> around_;      ///< quads at a vertex
+};
+
+}  // namespace
+
+QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
+  constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
+  const QuadMesh smooth{smoothed_vertices(closed, kSweeps), closed.quads};
+  std::vector<bool> kept;
+  kept.reserve(smooth.quads.size());
+  for (const Quad& quad : smooth.quads) {
+    const auto at = [&](std::size_t c) -> const Vec3& { return smooth.vertices[static_cast<std::size_t>(quad[c])]; };
+    const Vec3 centre = 0.25 * (at(0) + at(1) + at(2) + at(3));
+    const Vec3 normal = (at(2) - at(0)).cross(at(3) - at(1)).normalized();
+    const auto near = points.tree.nearest(centre, 1).front();
+    const Vec3& plane = points.plane_normals[static_cast<std::size_t>(near.point)];
+    kept.push_back(near.distance <= reach && std::abs(normal.dot(plane)) >= kAlong);
+  }
+  Part part(smooth, std::move(kept));
+  part.fill_small_holes();
+  do part.keep_largest();
+  while (part.trim());
+  QuadMesh open = part.sewn();
+  if (open.quads.empty()) throw BadData("open surface (start): no part of the start mesh lies along the points");
+  return open;
+}
+
+std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points, double reach) {
+  const QuadMesh open = open_part(closed, points, reach);
+  const int count = static_cast<int>(open.vertices.size());
+  const PointRows limit = CatmullClarkModel(count, open.quads, {}, Border::allowed).limit_rows();
+  Parameters control = parameters_of(compensated(limit, open.vertices));
+  return {CatmullClarkModel(count, open.quads, {control, false}, Border::allowed), control};
+}
+
+}  // namespace pellicle

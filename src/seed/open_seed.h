@@ -1,0 +1,27 @@
+#pragma once
+/// Start surface with a border: the part of a closed start mesh that is near the data.
+
+#include <utility>
+
+#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/surface/catmull_clark_model.h"
+
+namespace pellicle {
+
+/// Points of an open surface and the unit normals of the planes through their neighbours, side unknown.
+struct OpenPoints {
+  const PointTree& tree;
+  std::vector<Vec3> plane_normals;
+};
+
+/// The quads of a closed mesh (smoothed) whose centres are within `reach` of a point and lie along its plane: lids over
+/// mouths do not. Holes of fewer than four quads stay filled; the largest part is kept, without quads that hang by one
+/// edge and vertices that join two fans; a strip of quads is sewn around it, so that every border vertex has two quads
+/// and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near the points.
+QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
+
+/// The Catmull-Clark surface whose control vertices' limits are the vertices of open_part.
+std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points, double reach);
+
+}  // namespace pellicle

@@ -1,0 +1,77 @@
+// Start surfaces with a border: a bowl is filled up to its mouth, its lid taken off again.
+#include "pellicle/seed/open_seed.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "pellicle/base/errors.h"
+#include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/rim.h"
+#include "pellicle/raster/cup.h"
+#include "pellicle/raster/rasterize.h"
+#include "pellicle/seed/voxel_seed.h"
+
+namespace pellicle {
+namespace {
+
+/// Points of a sphere of radius 10 between two heights, evenly spread.
+std::vector<Vec3> zone(int of_sphere, double low, double high) {
+  std::vector<Vec3> points;
+  for (int k = 0; k < of_sphere; ++k) {
+    const double z = 1.0 - 2.0 * (k + 0.5) / of_sphere, r = std::sqrt(1.0 - z * z), angle = 2.399963229728653 * k;
+    if (z > low && z < high) points.emplace_back(10.0 * r * std::cos(angle), 10.0 * r * std::sin(angle), 10.0 * z);
+  }
+  return points;
+}
+
+QuadMesh start_on(const PointTree& tree) {
+  const VoxelSeed seed = voxel_seed_of_mask(filled_cup(tree.points(), point_spacing(tree)), 4.0);
+  return open_part(seed.mesh, {tree, plane_normals(tree)}, seed.spacing_mm);
+}
+
+TEST(FilledCup, EndsAtTheMouth) {
+  const PointTree tree(zone(2500, 0.0, 2.0));
+  const TriangleMesh filled = surface_of_mask(filled_cup(tree.points(), point_spacing(tree)));
+  const double half_ball = 2.0 / 3.0 * std::numbers::pi * 1000.0;
+  EXPECT_TRUE(std::abs(volume_of(filled) / half_ball - 1.0) < 0.25) << volume_of(filled) / half_ball;
+  for (const Vec3& x : filled.vertices) EXPECT_GE(x.z(), -2.0);
+}
+
+TEST(FilledCup, ASheetEnclosesNothing) {
+  std::vector<Vec3> sheet;
+  for (int i = 0; i < 30; ++i) {
+    for (int j = 0; j < 30; ++j) sheet.emplace_back(i, j, 1e-3 * i * j);
+  }
+  EXPECT_THROW(filled_cup(sheet, 1.0), BadData);
+}
+
+TEST(OpenPart, ABowlHasOneBorderAndATubeTwo) {
+  struct Case {
+    double low, high;
+    int loops;
+  };
+  for (const Case& c : {Case{0.0, 2.0, 1}, Case{-0.6, 0.6, 2}}) {
+    const PointTree tree(zone(2500, c.low, c.high));
+    const QuadMesh mesh = start_on(tree);
+    const QuadTopology topology = quad_topology(static_cast<int>(mesh.vertices.size()), mesh.quads, Border::allowed);
+    EXPECT_EQ(topology.border_loops, c.loops);
+    EXPECT_EQ(topology.genus, 0);
+    EXPECT_EQ(topology.components, 1);
+    for (const QuadRing& ring : topology.rings) {
+      if (!ring.closed) {
+        EXPECT_EQ(ring.quad.size(), 2U);  // no corners
+      }
+    }
+    for (const Vec3& x : mesh.vertices) EXPECT_LE(tree.nearest(x, 1).front().distance, 5.0);
+  }
+}
+
+TEST(OpenPart, NothingNearIsBadData) {
+  const PointTree tree(zone(2500, 0.0, 2.0));
+  const VoxelSeed seed = voxel_seed_of_mask(filled_cup(tree.points(), point_spacing(tree)), 4.0);
+  EXPECT_THROW(open_part(seed.mesh, {tree, plane_normals(tree)}, 1e-6), BadData);
+}
+
+}  // namespace
+}  // namespace pellicle
