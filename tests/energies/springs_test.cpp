@@ -26,9 +26,8 @@ double worst_offset(int level, double far) {
   const Vec3 centre(3, -2, 1);
   const Samples s = test::sphere_samples(level, 10.0, centre);
   RandomEngine random(1);
-  std::vector<Vec3> points;
-  for (int i = 0; i < 300; ++i)
-    points.push_back(centre + (10.0 + random.uniform(-far, far)) * random_vector(random).normalized());
+  std::vector<Vec3> points(300);
+  for (Vec3& p : points) p = centre + (10.0 + random.uniform(-far, far)) * random_vector(random).normalized();
   double worst = 0.0;
   const auto at = attach(points, s.layout, surface_samples(s));
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -61,7 +60,7 @@ TEST(SpringRows, AreTheDistancesToTheTangentPlanes) {
   std::vector<Vec3> points;
   std::vector<double> weights;
   for (int i = 0; i < 40; ++i) {
-    points.push_back(6.0 * random_vector(random));
+    points.emplace_back(6.0 * random_vector(random));
     weights.push_back(i % 5 == 0 ? 0.0 : random.uniform(0.1, 2.0));
   }
   const SurfaceSamples samples = surface_samples(s);
@@ -82,8 +81,8 @@ TEST(SpringRows, AreTheDistancesToTheTangentPlanes) {
 TEST(SpringRows, GradientAgainstFiniteDifferencesOfTheTrueDistance) {
   RandomEngine random(3);
   Samples s = test::sphere_samples(2, 5.0);
-  std::vector<Vec3> points;
-  for (int i = 0; i < 30; ++i) points.push_back((5.0 + 0.02 * random.normal()) * random_vector(random).normalized());
+  std::vector<Vec3> points(30);
+  for (Vec3& p : points) p = (5.0 + 0.02 * random.normal()) * random_vector(random).normalized();
   const auto exact = [&](const std::vector<Vec3>& x) {
     SurfaceSamples samples{x, s.normal, {}};
     double e = 0.0;
@@ -92,8 +91,8 @@ TEST(SpringRows, GradientAgainstFiniteDifferencesOfTheTrueDistance) {
   };
   const SurfaceSamples samples = surface_samples(s);
   const ScalarRows rows = spring_rows(s.layout, points, attach(points, s.layout, samples), {}, 1.0, 0.0, 1.0);
-  std::vector<Vec3> direction;
-  for (std::size_t i = 0; i < s.x.size(); ++i) direction.push_back(random.uniform(-1.0, 1.0) * s.normal[i]);
+  std::vector<Vec3> direction = s.normal;
+  for (Vec3& d : direction) d *= random.uniform(-1.0, 1.0);
   double by_rows = 0.0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     double along = 0.0;
@@ -115,8 +114,8 @@ TEST(SpringRows, GradientAgainstFiniteDifferencesOfTheTrueDistance) {
 TEST(SpringRows, DoNotKnowThePlace) {
   RandomEngine random(4);
   const Samples s = test::crumpled_sphere(2, 5.0, 0.2, random);
-  std::vector<Vec3> points;
-  for (int i = 0; i < 30; ++i) points.push_back(6.0 * random_vector(random));
+  std::vector<Vec3> points(30);
+  for (Vec3& p : points) p = 6.0 * random_vector(random);
   const test::Motion motion = test::random_motion(random);
   Samples moved = s;
   std::vector<Vec3> moved_points = points;

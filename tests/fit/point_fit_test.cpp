@@ -189,7 +189,7 @@ TEST(FitFrom, AnOpenSurfaceEndsAtTheRim) {
   for (int k = 0; k < 3000; ++k) {
     const double z = 1.0 - 2.0 * (k + 0.5) / 3000, r = std::sqrt(1.0 - z * z), angle = 2.399963229728653 * k;
     const Vec3 n(r * std::cos(angle), r * std::sin(angle), z);
-    if (z > 0.0) points.push_back(10.0 * (1.0 + 0.2 * n.x() * n.y() + 0.15 * n.x() * n.x()) * n);
+    if (z > 0.0) points.emplace_back(10.0 * (1.0 + 0.2 * n.x() * n.y() + 0.15 * n.x() * n.x()) * n);
   }
   GeometryData data = cloud_of(points);
   const PointTree tree(points);

@@ -63,7 +63,7 @@ TEST(Topology, KnownSurfaces) {
 TEST(Topology, BorderLoopsAreThoughtClosed) {
   TriangleMesh torus = test::torus(12, 8, 3, 1);
   torus.triangles.pop_back();
-  torus.triangles.erase(torus.triangles.begin());
+  torus.triangles.erase(torus.triangles.begin() + 50);
   EXPECT_EQ(topology_of(torus).border_loops, 2);
   EXPECT_EQ(topology_of(torus).genus, 1);
   EXPECT_EQ(topology_of(test::sphere(1, 1)).border_loops, 0);

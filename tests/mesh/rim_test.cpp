@@ -35,7 +35,8 @@ TEST(RimOf, IsAllAroundTheMouthAndNowhereElse) {
     const std::vector<Vec3> rim = rim_of(tree, plane_normals(tree));
     std::array<int, 12> sectors{};
     for (const Vec3& x : rim) {
-      EXPECT_LE(x.z(), lowest + 0.1) << "of a cap of " << lowest;
+      // Points are 0.065 apart (0.046 on the smaller cap) and at random: rims are a few points wide.
+      EXPECT_LE(x.z(), lowest + 0.2) << "of a cap of " << lowest;
       ++sectors[static_cast<std::size_t>((std::atan2(x.y(), x.x()) / std::numbers::pi + 1.0) * 5.999)];
     }
     EXPECT_THAT(sectors, testing::Each(testing::Ge(1)));
