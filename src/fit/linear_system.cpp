@@ -2,6 +2,7 @@
 
 #include <Eigen/IterativeLinearSolvers>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -175,6 +176,46 @@ std::optional<Eigen::VectorXd> LinearSystem::solved_for(const Eigen::VectorXd& r
   return x;
 }
 
+// Rows of one sample each, which most are: w_a w_b v v^T for each pair of the patch's blocks. Summed over the patch
+// first, so that the sparse matrix is searched once a patch and not once a row.
+bool LinearSystem::add_single_rows(const NamedRows& named, const Parameters& parameters, Eigen::VectorXd& gradient) {
+  const ScalarRows& rows = named.rows;
+  bool known = true;
+  for (std::size_t row = 0; row < rows.size();) {
+    const int patch_index = layout_.patch_of[static_cast<std::size_t>(rows.sample[row])];
+    const SamplePatch& patch = layout_.patches[static_cast<std::size_t>(patch_index)];
+    const std::size_t n = patch.blocks.size();
+    local_.assign(6 * n * n, 0.0);
+    for (; row < rows.size() && layout_.patch_of[static_cast<std::size_t>(rows.sample[row])] == patch_index; ++row) {
+      const double* w = layout_.stencils->x.data() + weights_of(patch, rows.sample[row]);
+      const Vec3& v = rows.coefficient[row];
+      double residual = -rows.target[row];
+      for (std::size_t a = 0; a < n; ++a) {
+        residual += w[a] * v.dot(Vec3(parameters.data() + 3 * static_cast<std::size_t>(patch.blocks[a])));
+      }
+      const std::array<double, 6> square{v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2]};
+      for (std::size_t a = 0; a < n; ++a) {
+        gradient.segment<3>(3 * patch.blocks[a]) += residual * w[a] * v;
+        double* out = local_.data() + 6 * n * a;
+        for (std::size_t b = 0; b <= a; ++b, out += 6) {
+          const double both = w[a] * w[b];
+          for (std::size_t c = 0; c < 6; ++c) out[c] += both * square[c];
+        }
+      }
+    }
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const double* s = local_.data() + 6 * (n * a + b);
+        Mat3 value;
+        value << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+        const int i = patch.blocks[a], j = patch.blocks[b];
+        known = add_block(std::max(i, j), std::min(i, j), value) && known;
+      }
+    }
+  }
+  return known;
+}
+
 // K c - (L W)^T t, and K into the matrix.
 bool LinearSystem::add_operators(const Parameters& parameters, Eigen::VectorXd& gradient) {
   bool known = true;
@@ -202,6 +243,10 @@ bool LinearSystem::minimise(const std::vector<NamedRows>& rows, Parameters& para
   std::fill_n(normal_.valuePtr(), normal_.nonZeros(), 0.0);
   bool known = add_operators(parameters, gradient);
   for (const NamedRows& named : rows) {
+    if (named.rows.sample.size() == named.rows.size()) {
+      known = add_single_rows(named, parameters, gradient) && known;
+      continue;
+    }
     for (std::size_t row = 0; row < named.rows.size(); ++row) {
       known = add_row(named.rows, row, parameters, gradient) && known;
     }

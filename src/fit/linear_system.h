@@ -32,6 +32,7 @@ class LinearSystem {
   bool add_row(const ScalarRows& rows, std::size_t row, const Parameters& parameters, Eigen::VectorXd& gradient);
   std::optional<Eigen::VectorXd> solved_for(const Eigen::VectorXd& right);
   bool add_block(int row_block, int column_block, const Mat3& value);
+  bool add_single_rows(const NamedRows& named, const Parameters& parameters, Eigen::VectorXd& gradient);
 
   const SampleLayout& layout_;
   Matrix operators_;                                              ///< K, blocks x blocks
@@ -41,6 +42,7 @@ class LinearSystem {
   Eigen::SimplicialLLT<Matrix> factor_;
   bool analysed_ = false;
   std::vector<std::pair<int, Vec3>> derivative_;  ///< of one row by its blocks; room that is used again
+  std::vector<double> local_;                     ///< symmetric 3 x 3 blocks of one patch; room that is used again
 };
 
 }  // namespace pellicle

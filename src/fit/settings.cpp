@@ -139,6 +139,8 @@ const std::vector<EnergyDescription>& energy_descriptions() {
   static const std::vector<EnergyDescription> list{
       {"region", "residual", "t = argmin int q ds + 0.02 t^2/R",
        "two levels: line search along each normal (L-BFGS stages: h/A int q dV)"},
+      {"body", "residual", "t = argmax int (I - (a+b)/2)/(a-b) ds/w - 0.075 (t/w)^2",
+       "region for many small bodies: levels of the whole body, profiles end at the neighbours' territories"},
       {"edge", "residual", "t = int f ds - w + s^2 (k1+k2)/2", "sub-voxel place of the edge, robust"},
       {"crossing", "residual", "first s with I < low + share (top - low)",
        "first crossing from inside, for the brain in T1"},

@@ -11,6 +11,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
+#include "pellicle/energies/body.h"
 #include "pellicle/energies/edge.h"
 #include "pellicle/energies/spacing.h"
 #include "pellicle/energies/tension.h"
@@ -46,9 +47,10 @@ StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layo
 }
 
 const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
+  const std::scoped_lock lock(mutex_);
   const std::tuple key{control_point_count(model), base_facets(model), level};
   auto at = cache_.find(key);
-  if (at == cache_.end()) at = cache_.emplace(key, StageGeometry(model, level)).first;
+  if (at == cache_.end()) at = cache_.try_emplace(key, model, level).first;
   return at->second;
 }
 
@@ -102,6 +104,7 @@ class StageRun {
   void reestimate_levels(const StepGeometry& g);
   NamedRows edge_rows(const StepGeometry& g, int step);
   NamedRows crossing_rows(const StepGeometry& g);
+  NamedRows body_rows(const StepGeometry& g, int step);
   bool healthy(const StepGeometry& g);
   bool failed(FitStatus status, const std::string& reason) {
     state_.status = status;
@@ -116,7 +119,8 @@ class StageRun {
   const Stage& stage_;
   FitState& state_;
   double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
-  double delay_ = 1.0;           ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
+  double delay_ = 1.0;  ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
+  int max_steps_ = 0;
   double edge_held_out_ = -1.0;  ///< mm, rms of the edge offsets of samples left out
   PointDistances points_ = {};
   const StageGeometry* geometry_ = nullptr;
@@ -131,7 +135,10 @@ void StageRun::prepare() {
     state_.surface = refine(state_.surface);
     ++state_.detail;
   }
-  const SampleLayout coarse = layout_of(state_.surface.model, 2);
+  // Of many small objects each is too short a job to lay out samples anew.
+  const bool one_of_many = weight_of(stage_, "body") > 0.0;
+  const SampleLayout own = one_of_many ? SampleLayout{} : layout_of(state_.surface.model, 2);
+  const SampleLayout& coarse = one_of_many ? context_.geometry.get(state_.surface.model, 2).layout : own;
   SurfaceSamples samples;
   evaluate(state_.surface.model, state_.surface.parameters, coarse, false, samples);
   const double area = sum(sample_areas(coarse, samples.x));
@@ -294,12 +301,47 @@ NamedRows StageRun::crossing_rows(const StepGeometry& g) {
   return {"crossing", offset_rows(g.samples.x, g.samples.normal, g.area, targets, weight_of(stage_, "crossing"))};
 }
 
+// A wide search first, ever narrower ones later: half widths 0.6 to 0.35 of the radius.
+NamedRows StageRun::body_rows(const StepGeometry& g, int step) {
+  const Crowd& crowd = state_.crowd;
+  const double done = max_steps_ > 1 ? static_cast<double>(step) / (max_steps_ - 1) : 1.0;
+  std::vector<double> cap;
+  BodySearch search{.sign = state_.reading.sign,
+                    .half_width = 0.6 + done * (0.35 - 0.6),
+                    .least_radius = 0.3 * crowd.radius,
+                    .most_radius = 2.2 * crowd.radius,
+                    .unblur = true,
+                    .territory = crowd.territory};
+  const bool typical = crowd.typical != nullptr && crowd.typical->size() == g.area.size();
+  if (typical) {
+    for (const double r : *crowd.typical) cap.push_back(1.6 * r);
+    search.cap = &cap;
+  }
+  const BodyReading reading = read_body(TrilinearField(image_->image()), g.samples.x, g.samples.normal, g.area, search);
+  state_.levels.inside = reading.inside;
+  state_.levels.outside = reading.beyond;
+  const double weight = weight_of(stage_, "body");
+  NamedRows rows{"body", offset_rows(g.samples.x, g.samples.normal, g.area, reading.targets, weight)};
+  if (typical) {
+    // A twentieth of the weight draws the surface towards the shape that objects of this kind have.
+    NormalTargets alike{std::vector<double>(g.area.size()), std::vector<double>(g.area.size(), 0.05)};
+    for (std::size_t i = 0; i < g.area.size(); ++i) alike.offset[i] = (*crowd.typical)[i] - reading.reach[i];
+    const ScalarRows more = offset_rows(g.samples.x, g.samples.normal, g.area, alike, weight);
+    for (std::size_t row = 0; row < more.size(); ++row) {
+      rows.rows.add(more.sample[row], more.coefficient[row]);
+      rows.rows.close(more.target[row]);
+    }
+  }
+  return rows;
+}
+
 std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
   std::vector<NamedRows> rows;
   const bool scalar_region = stage_.solver == Solver::gradient;
   if (weight_of(stage_, "region") > 0.0 && !scalar_region) rows.push_back(region_rows(g, step));
   if (scalar_region && !state_.reading.ridge && !state_.reading.similarity) reestimate_levels(g);
   if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
+  if (weight_of(stage_, "body") > 0.0) rows.push_back(body_rows(g, step));
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
   if (weight_of(stage_, "springs") > 0.0 && !context_.settings.points.points.empty()) {
     const double weight = weight_of(stage_, "springs");
@@ -366,7 +408,7 @@ StageSummary StageRun::run() {
   summary.reason = "step limit";
   StepGeometry g = geometry_at(state_, *geometry_);
   add_operators(g);
-  const int max_steps =
+  const int max_steps = max_steps_ =
       context_.settings.max_iterations.value_or(static_cast<int>(std::ceil(delay_ * stage_.max_steps)));
   const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
   double trust_radius = 1e3;

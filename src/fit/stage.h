@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <tuple>
 
 #include "pellicle/energies/geometry.h"
@@ -23,12 +24,13 @@ struct StageGeometry {
   StageGeometry(const SurfaceModel& model, int level);
 };
 
-/// Geometries by number of control points, of control facets, and level. One model kind a cache.
+/// Geometries by number of control points, of control facets, and level. One model kind a cache. Threads may share it.
 class GeometryCache {
  public:
   const StageGeometry& get(const SurfaceModel& model, int level);
 
  private:
+  std::mutex mutex_;
   std::map<std::tuple<int, int, int>, StageGeometry> cache_;
 };
 
@@ -39,16 +41,23 @@ struct Leash {
   double length;  ///< mm
 };
 
+/// What is known of an object among others of its kind. Nothing by default.
+struct Crowd {
+  const Image<float>* territory = nullptr;       ///< above 1/2 where the object may be; profiles end there
+  double radius = 0.0;                           ///< mm, of a typical object; 0: unknown
+  const std::vector<double>* typical = nullptr;  ///< mm from the centroid, of a typical object, one a sample
+};
+
 /// What one stage hands to the next.
 struct FitState {
   Surface surface;
   int detail = 0;  ///< refinements so far
-  Reading reading;
-  Levels levels;          ///< as re-estimated so far
+  Reading reading = {};
+  Levels levels = {};     ///< as re-estimated so far
   double reach_mm = 0.0;  ///< reach of the next search; 0: the stage's own
   double blur_mm = 0.0;   ///< of the image along the surface, once measured
   FitStatus status = FitStatus::ok;
-  std::string reason;
+  std::string reason = {};
   double start_volume = 0.0;          ///< mm^3, of the seed
   bool all_samples = false;           ///< the last stage: as many samples as there are voxels along the surface
   bool hold_out = false;              ///< leave every fourth sample (of edges) and expert point out, and measure there
@@ -57,6 +66,7 @@ struct FitState {
   double held_out_points = -1.0;  ///< mm^2, of the expert points alone (expert_points.h)
   double error = -1.0;  ///< mm, after the last stage: rms of the edge offsets or, if larger, of the expert points
   std::shared_ptr<const Leash> leash = {};
+  Crowd crowd = {};  ///< must outlive the fit
   std::vector<TraceFrame> trace = {};
 };
 

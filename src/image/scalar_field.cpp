@@ -1,6 +1,7 @@
 #include "pellicle/image/scalar_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +9,26 @@ namespace pellicle {
 
 TrilinearField::TrilinearField(const Image<float>& image)
     : image_(image), index_from_world_(image.grid.index_from_world_matrix()) {}
+
+namespace {
+
+/// Distances in memory from a voxel to its upper neighbours; 0 along an axis of one voxel.
+struct Steps {
+  std::size_t dx, dy, dz;
+  explicit Steps(const Index3& size)
+      : dx(size[0] > 1 ? 1 : 0),
+        dy(size[1] > 1 ? static_cast<std::size_t>(size[0]) : 0),
+        dz(size[2] > 1 ? static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) : 0) {}
+};
+
+float blend(const float* p, const Steps& s, const std::array<float, 3>& f) {
+  const auto row = [&](const float* q) { return q[0] + f[0] * (q[s.dx] - q[0]); };
+  const float a0 = row(p), a1 = row(p + s.dy), b0 = row(p + s.dz), b1 = row(p + s.dz + s.dy);
+  const float a = a0 + f[1] * (a1 - a0), b = b0 + f[1] * (b1 - b0);
+  return a + f[2] * (b - a);
+}
+
+}  // namespace
 
 float TrilinearField::at_index(const Vec3& i) const {
   const Index3& size = image_.grid.size;
@@ -22,14 +43,7 @@ float TrilinearField::at_index(const Vec3& i) const {
     low[static_cast<std::size_t>(a)] = l;
     f[static_cast<std::size_t>(a)] = static_cast<float>(c - l);
   }
-  const std::size_t dx = size[0] > 1 ? 1 : 0;
-  const std::size_t dy = size[1] > 1 ? static_cast<std::size_t>(size[0]) : 0;
-  const std::size_t dz = size[2] > 1 ? static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) : 0;
-  const float* p = image_.voxels.data() + image_.grid.offset(low[0], low[1], low[2]);
-  const auto row = [&](const float* q) { return q[0] + f[0] * (q[dx] - q[0]); };
-  const float a0 = row(p), a1 = row(p + dy), b0 = row(p + dz), b1 = row(p + dz + dy);
-  const float a = a0 + f[1] * (a1 - a0), b = b0 + f[1] * (b1 - b0);
-  return a + f[2] * (b - a);
+  return blend(image_.voxels.data() + image_.grid.offset(low[0], low[1], low[2]), Steps(size), f);
 }
 
 float TrilinearField::at(const Vec3& x_in_world) const {
@@ -39,7 +53,26 @@ float TrilinearField::at(const Vec3& x_in_world) const {
 void TrilinearField::along_line(const Vec3& start_in_world, const Vec3& step_in_world, int count, float* out) const {
   const Vec3 start = index_from_world_ * (start_in_world - image_.grid.origin_in_world);
   const Vec3 step = index_from_world_ * step_in_world;
-  for (int i = 0; i < count; ++i) out[i] = at_index(start + static_cast<double>(i) * step);
+  const Vec3 end = start + static_cast<double>(count - 1) * step;
+  const Index3& size = image_.grid.size;
+  bool inside = true;
+  for (int a = 0; a < 3; ++a) {
+    const double last = size[static_cast<std::size_t>(a)] - 1;
+    inside = inside && std::min(start[a], end[a]) >= 0.0 && std::max(start[a], end[a]) < last;
+  }
+  if (!inside) {
+    for (int i = 0; i < count; ++i) out[i] = at_index(start + static_cast<double>(i) * step);
+    return;
+  }
+  // The whole line lies between voxel centres: the same values without a look at the border.
+  const Steps steps(size);
+  for (int i = 0; i < count; ++i) {
+    const Vec3 at = start + static_cast<double>(i) * step;
+    const std::array<int, 3> low{static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2])};
+    const std::array<float, 3> f{static_cast<float>(at[0] - low[0]), static_cast<float>(at[1] - low[1]),
+                                 static_cast<float>(at[2] - low[2])};
+    out[i] = blend(image_.voxels.data() + image_.grid.offset(low[0], low[1], low[2]), steps, f);
+  }
 }
 
 CubicField::CubicField(const Image<float>& image)
