@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 std::vector<PlannedFile> plan_outputs(const SegmentSettings& settings, const std::vector<int>& labels) {
   const std::string stem = stem_of(settings);
-  const bool several = labels.size() > 1;
+  const bool several = labels.size() > 1 || settings.wants_many();
   std::vector<PlannedFile> plan;
   const auto add = [&](const std::string& kind, int label, const std::string& suffix) {
     plan.push_back({kind, label, settings.output / (stem + suffix)});

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "pellicle/fit/many.h"
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/pipeline/settings_toml.h"
 
@@ -78,6 +79,29 @@ json fit_json(const FitSummary& fit) {
   return out;
 }
 
+// What is told of each of many objects, see docs/nuclei.md.
+json shape_json(const ObjectResult& object) {
+  const Shape& shape = *object.shape;
+  return {{"centre_lps_mm", json_of(shape.centre)},
+          {"sphericity", number(shape.sphericity)},
+          {"elongation", number(shape.elongation)},
+          {"visible_share", number(shape.visible)},
+          {"volume_visible_ml", number(object.volume_partial_ml)},
+          {"support", number(shape.support)},
+          {"limited_share", number(shape.limited)}};
+}
+
+json many_json(const ManySummary& many) {
+  return {{"typical_radius_mm", number(many.radius_mm)},
+          {"polarity", many.dark ? "dark" : "bright"},
+          {"places_tried", many.seeds},
+          {"unlike_the_others", many.weak},
+          {"doubled", many.doubled},
+          {"variation_inside", number(many.variation)},
+          {"typical_shape_used", many.typical_shape},
+          {"z_to_xy_extent", number(many.z_extent)}};
+}
+
 json object_json(const ObjectResult& object) {
   json out;
   out["label"] = object.label;
@@ -104,6 +128,7 @@ json object_json(const ObjectResult& object) {
   out["touches_border"] = object.touches_border;
   out["overlap_voxels"] = object.overlap_voxels;
   out["seconds"] = object.seconds;
+  if (object.shape) out["shape"] = shape_json(object);
   out["fit"] = fit_json(object.fit);
   return out;
 }
@@ -166,7 +191,7 @@ json report_of(const SegmentResult& result, const std::vector<std::string>& comm
   report["finished"] = utc_time();
   report["exit_code"] = result.exit_code();
   SegmentSettings resolved = result.settings;
-  resolved.fit.stages = stages_of(resolved.fit);
+  resolved.fit.stages = resolved.wants_many() ? stages_of_many(resolved.fit) : stages_of(resolved.fit);
   report["settings"] = json_of(resolved);
   report["input"] = input_json(result);
   json inputs = json::array(), outputs = json::array(), objects = json::array();
@@ -179,6 +204,7 @@ json report_of(const SegmentResult& result, const std::vector<std::string>& comm
   }
   for (const auto& object : result.objects) objects.push_back(object_json(object));
   report["inputs"] = inputs;
+  if (result.many) report["many"] = many_json(*result.many);
   report["objects"] = objects;
   report["outputs"] = outputs;
   report["warnings"] = result.warnings;

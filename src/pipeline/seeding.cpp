@@ -249,6 +249,8 @@ std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageG
     objects = seeds_from_mask(settings);
   } else if (settings.seed_model) {
     objects = {{1, "", {read_model(*settings.seed_model)}}};
+  } else if (settings.wants_many()) {
+    return {};  // found by the fit of many objects itself
   } else {
     objects = seeds_found(settings, image);
   }

@@ -46,7 +46,8 @@ std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& 
 /// Existence of every file that the seeds and --points name. \throws NoInput.
 void check_seed_files(const SegmentSettings& settings);
 
-/// \throws NoInput, BadData (file contents), UsageError (a sphere outside the volume, labels given twice).
+/// Empty for many objects that the user gave no seeds for. \throws NoInput, BadData (file contents), UsageError (a
+/// sphere outside the volume, labels given twice).
 std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image);
 
 }  // namespace pellicle

@@ -18,8 +18,10 @@
 #include "pellicle/pipeline/qc_picture.h"
 #include "pellicle/pipeline/report.h"
 #include "pellicle/pipeline/seeding.h"
+#include "pellicle/pipeline/segment_many.h"
 #include "pellicle/pipeline/trace.h"
 #include "pellicle/pipeline/voxels.h"
+#include "pellicle/raster/joint_labels.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/surface/model_file.h"
 
@@ -79,7 +81,7 @@ struct Maps {
 
 Maps empty_maps(const SegmentSettings& settings, const ImageGrid& grid) {
   Maps maps;
-  maps.labels = Image<std::uint16_t>(grid);
+  if (!settings.wants_many()) maps.labels = Image<std::uint16_t>(grid);
   if (settings.writes("prob")) maps.fraction = Image<float>(grid);
   if (settings.writes("sdf")) maps.distance = Image<float>(grid, std::numeric_limits<float>::max());
   return maps;
@@ -98,11 +100,7 @@ void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& ma
       if (mask.voxels[inner] == 0) return;
       ++count;
       object.touches_border = object.touches_border || border;
-      if (maps.labels.voxels[outer] == 0) {
-        maps.labels.voxels[outer] = static_cast<std::uint16_t>(object.label);
-      } else {
-        ++object.overlap_voxels;
-      }
+      maps.labels.voxels[outer] = static_cast<std::uint16_t>(object.label);
     });
     object.volume_mask_ml = static_cast<double>(count) * grid.voxel_volume() / 1000.0;
     const Image<float> fraction = rasterize_partial_volume(object.mesh, box.grid);
@@ -123,7 +121,25 @@ void add_to_maps(ObjectResult& object, const SegmentSettings& settings, Maps& ma
   }
 }
 
+// Voxels inside several surfaces go to the one in which they are deepest for its size.
+void share_out(std::vector<ObjectResult>& objects, Maps& maps) {
+  if (objects.size() < 2) return;
+  std::vector<const TriangleMesh*> meshes;
+  std::vector<std::uint16_t> labels;
+  for (const auto& object : objects) {
+    meshes.push_back(&object.mesh);
+    labels.push_back(static_cast<std::uint16_t>(object.label));
+  }
+  JointLabels joint = label_together(meshes, labels, maps.labels.grid);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    objects[i].volume_mask_ml = static_cast<double>(joint.voxels[i]) * maps.labels.grid.voxel_volume() / 1000.0;
+    objects[i].overlap_voxels = joint.shared[i];
+  }
+  maps.labels = std::move(joint.labels);
+}
+
 std::string label_table(const std::vector<ObjectResult>& objects) {
+  if (objects.empty() || objects.front().shape) return many_table(objects);
   std::string text = "index\tname\tvolume_ml\tstatus\n";
   for (const auto& object : objects) {
     text += fmt::format("{}\t{}\t{:.6g}\t{}\n", object.label, object.name, object.volume_mask_ml,
@@ -135,7 +151,7 @@ std::string label_table(const std::vector<ObjectResult>& objects) {
 void write_maps(const SegmentResult& result, const std::vector<PlannedFile>& plan, const Maps& maps) {
   const SegmentSettings& settings = result.settings;
   if (settings.writes("mask")) {
-    if (result.objects.size() > 1) {
+    if (result.writes_labels()) {
       write_volume(path_of(plan, "mask"), maps.labels, result.header);
       write_text_file(path_of(plan, "labels"), label_table(result.objects));
     } else {
@@ -152,7 +168,7 @@ void write_maps(const SegmentResult& result, const std::vector<PlannedFile>& pla
 void write_objects(const SegmentResult& result, const std::vector<PlannedFile>& plan) {
   const SegmentSettings& settings = result.settings;
   for (const auto& object : result.objects) {
-    const int label = result.objects.size() > 1 ? object.label : 0;
+    const int label = result.writes_labels() ? object.label : 0;
     if (settings.writes("mesh")) write_mesh(path_of(plan, "mesh", label), object.mesh, settings.mesh_format);
     if (settings.writes("model")) write_model(path_of(plan, "model", label), object.surface);
     check_interrupt();
@@ -186,7 +202,7 @@ std::vector<PlannedFile> write_traces(const SegmentResult& result) {
   clear_trace(files);
   std::vector<PlannedFile> written;
   for (const auto& object : result.objects) {
-    const int label = result.objects.size() > 1 ? object.label : 0;
+    const int label = result.writes_labels() ? object.label : 0;
     for (const auto& path : write_trace(files, object.trace, label)) written.push_back({"trace", label, path});
   }
   return written;
@@ -207,7 +223,7 @@ void check_early(const SegmentSettings& settings) {
       labels.push_back(row.label.value_or(static_cast<int>(labels.size()) + 1));
     }
   }
-  if (labels.empty()) labels.push_back(1);
+  if (labels.empty() && !settings.wants_many()) labels.push_back(1);
   checked_plan(settings, labels);
   if (settings.trace) check_trace(trace_files(settings), settings.overwrite);
 }
@@ -238,7 +254,7 @@ Volume read_input(const SegmentSettings& settings, const RunContext& context, Se
   result.min = volume.min;
   result.max = volume.max;
   result.warnings = volume.header.warnings;
-  if (!(volume.max > volume.min)) {
+  if (!(volume.max > volume.min) && !settings.wants_many()) {
     throw BadData(fmt::format("constant volume ({}): every voxel is {}; there is nothing to segment",
                               settings.input.string(), volume.min));
   }
@@ -286,6 +302,10 @@ void describe_outputs(const std::vector<PlannedFile>& plan, SegmentResult& resul
 
 }  // namespace
 
+bool SegmentResult::writes_labels() const {
+  return objects.size() > 1 || settings.wants_many();
+}
+
 int SegmentResult::exit_code() const {
   const bool all_ok =
       std::all_of(objects.begin(), objects.end(), [](const ObjectResult& o) { return o.fit.status == FitStatus::ok; });
@@ -302,6 +322,7 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   check_early(settings);
   SegmentResult result;
   result.settings = settings;
+  result.settings.fit.model.kind = settings.model_kind();
   PhaseClock clock;
   auto hashes = start_hashes(settings);
 
@@ -313,24 +334,39 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   if (settings.points) result.settings.fit.points = read_expert_points(settings, result.header.grid);
   result.settings.fit.trace_every = settings.trace ? settings.trace_every : 0;
   const auto seeds = make_seeds(result.settings, result.header.grid, volume.image);
-  std::vector<int> labels;
-  labels.reserve(seeds.size());
-  for (const auto& seed : seeds) labels.push_back(seed.label);
-  auto plan = checked_plan(settings, labels);
+  const auto plan_for = [&](const auto& list) {
+    std::vector<int> labels;
+    labels.reserve(list.size());
+    for (const auto& one : list) labels.push_back(one.label);
+    return checked_plan(settings, labels);
+  };
+  auto plan = plan_for(seeds);
 
   clock.start("fit");
   tell(0.1, "fitting");
-  fit_objects(seeds, volume.image, context, result);
+  if (settings.wants_many()) {
+    fit_many_objects(seeds, settings.writes("qc") ? volume.image : std::move(volume.image), context, result);
+    plan = plan_for(result.objects);
+  } else {
+    fit_objects(seeds, volume.image, context, result);
+  }
   if (!settings.writes("qc")) std::vector<float>().swap(volume.image.voxels);  // memory that the maps need
 
   const ImageGrid& grid = result.header.grid;
   Maps maps = empty_maps(settings, grid);
-  for (auto& object : result.objects) {
-    clock.start("measure");
-    tell(0.8, "measuring");
-    measure(object, settings, grid);
-    clock.start("rasterise");
-    add_to_maps(object, settings, maps);
+  clock.start("measure");
+  tell(0.8, "measuring");
+  if (settings.wants_many()) {
+    maps.labels = measure_many(result, grid, maps.fraction);
+    if (settings.writes("sdf")) maps.distance = distance_to_all(result.objects, grid);
+  } else {
+    for (auto& object : result.objects) {
+      clock.start("measure");
+      measure(object, settings, grid);
+      clock.start("rasterise");
+      add_to_maps(object, settings, maps);
+    }
+    share_out(result.objects, maps);
   }
 
   clock.start("write");
@@ -345,7 +381,8 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   if (settings.writes("qc")) {
     clock.start("picture");
     tell(0.95, "drawing");
-    write_qc_picture(path_of(plan, "qc"), volume.image, result.objects, stem_of(settings));
+    write_qc_picture(path_of(plan, "qc"), volume.image,
+                     settings.wants_many() ? overview(result.objects) : result.objects, stem_of(settings));
   }
   clock.start("provenance");
   collect_hashes(settings, hashes, result);

@@ -21,6 +21,26 @@ struct RunContext {
   std::function<void(const std::string&)> inform, warn;
 };
 
+/// What is told of each of many objects beside what is told of one.
+struct Shape {
+  Vec3 centre{0, 0, 0};     ///< centroid of the solid, LPS mm
+  double sphericity = 0.0;  ///< area of the ball of equal volume over the area; 1 for a ball
+  double elongation = 0.0;  ///< longest over shortest axis of the ellipsoid of inertia
+  double visible = 1.0;     ///< share of the surface that lies in the image
+  double support = 0.0;     ///< fall of the intensity across the surface over the contrast, 0..1
+  double limited = 0.0;     ///< share of the visible surface at a neighbour's territory
+};
+
+/// How many objects were looked for.
+struct ManySummary {
+  double radius_mm = 0.0;  ///< typical, as estimated or given; 0: nothing found
+  bool dark = false;
+  std::size_t seeds = 0, weak = 0, doubled = 0;  ///< places tried; turned down; parts of another object
+  double variation = 1.0;                        ///< how uneven the objects are inside (docs/nuclei.md)
+  bool typical_shape = false;                    ///< fitted towards their own typical shape
+  double z_extent = 0.0;                         ///< mean extent along z over that in x and y, of whole objects
+};
+
 /// One fitted object and what was measured on it.
 struct ObjectResult {
   int label = 1;
@@ -40,8 +60,9 @@ struct ObjectResult {
   double volume_partial_ml = 0.0;             ///< of the partial-volume map, inside the image
   double area_mm2 = 0.0;
   bool touches_border = false;     ///< marked voxels on the border of the volume
-  std::size_t overlap_voxels = 0;  ///< voxels that an earlier label had taken already
+  std::size_t overlap_voxels = 0;  ///< voxels that other objects claim too
   double seconds = 0.0;
+  std::optional<Shape> shape = {};  ///< of many objects
 };
 
 struct OutputFile {
@@ -63,10 +84,12 @@ struct SegmentResult {
   std::size_t nan_count = 0, inf_count = 0;
   float min = 0.0F, max = 0.0F;
   std::vector<ObjectResult> objects;
+  std::optional<ManySummary> many;  ///< with --objects many
   std::vector<InputFile> inputs;
   std::vector<OutputFile> outputs;                      ///< all but the report itself
   std::vector<std::pair<std::string, double>> seconds;  ///< per phase
   std::vector<std::string> warnings;
+  bool writes_labels() const;  ///< a label map, not a mask
   /// 0, or 3 when an object failed its own checks.
   int exit_code() const;
 };

@@ -148,6 +148,33 @@ SettingKey spacing_key() {
   return key;
 }
 
+SettingKey radius_key() {
+  SettingKey key =
+      key_from({"Seed", "radius", "MIN,MAX", "radii of many objects, mm; default: estimated from the image"},
+               SettingKind::vector);
+  key.set = [](SegmentSettings& s, const Values& v, const std::string& where) {
+    const auto n = numbers_of(v, 2, where);
+    s.radius = RadiusRange{n[0], n[1]};
+  };
+  key.get = [](const SegmentSettings& s) -> Values {
+    if (!s.radius) return {};
+    return {text_of(s.radius->min), text_of(s.radius->max)};
+  };
+  return key;
+}
+
+SettingKey model_key() {
+  SettingKey key =
+      key_from({"Model", "model", "normal|spline|spline-torus|catmull-clark|slime",
+                "surface model; spline: exponential-spline sphere; of many objects catmull-clark unless named"},
+               SettingKind::text);
+  key.set = [](SegmentSettings& s, const Values& v, const std::string& where) {
+    s.model = s.fit.model.kind = value_of<ModelKind>(v.at(0), where);
+  };
+  key.get = [](const SegmentSettings& s) { return Values{name_of(s.model_kind())}; };
+  return key;
+}
+
 SettingKey write_key() {
   SettingKey key = key_from({"Outputs", "write", "LIST", "of mask,mesh,model,report,qc,sdf,prob"}, SettingKind::words);
   key.set = [](SegmentSettings& s, const Values& v, const std::string&) { s.write = v; };
@@ -198,7 +225,15 @@ void add_input_and_seed(std::vector<SettingKey>& keys) {
   keys.push_back(path_key({"Seed", "seed-model", "FILE.json", "start from a saved model"}, FIELD(seed_model)));
   keys.push_back(flag_key({"Seed", "seed-auto", "", "find the object; this is what happens when no seed is given"},
                           FIELD(seed_auto)));
-  keys.push_back(enum_key({"Seed", "objects", "one|many", "what automatic seeding looks for"}, FIELD(objects)));
+  keys.push_back(
+      enum_key({"Seed", "objects", "one|many",
+                "one object, or many of one kind (nuclei, cells): found, or one a seed where seeds are given"},
+               FIELD(objects)));
+  keys.push_back(radius_key());
+  keys.push_back(number_key({"Seed", "valley", "SHARE",
+                             "of many objects: two are one unless the response between them falls below this share of "
+                             "the weaker; nearer 1 splits more"},
+                            FIELD(valley)));
   keys.push_back(enum_key({"Seed", "coords", "lps|ras|ijk",
                            "frame of coordinates: mm in LPS or RAS, or 0-based voxel index (radii stay in mm)"},
                           FIELD(coords)));
@@ -225,9 +260,7 @@ void add_solver(std::vector<SettingKey>& keys) {
 }
 
 void add_model_and_energies(std::vector<SettingKey>& keys) {
-  keys.push_back(enum_key({"Model", "model", "normal|spline|spline-torus|catmull-clark|slime",
-                           "surface model; spline: exponential-spline sphere"},
-                          FIELD(fit.model.kind)));
+  keys.push_back(model_key());
   keys.push_back(number_key(
       {"Model", "detail", "N", "refinements of the control mesh at most (0: as seeded); by default the fit decides"},
       FIELD(fit.detail)));

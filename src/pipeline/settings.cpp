@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "pellicle/base/errors.h"
 
@@ -12,6 +13,10 @@ namespace fs = std::filesystem;
 
 bool SegmentSettings::writes(const std::string& kind) const {
   return std::find(write.begin(), write.end(), kind) != write.end();
+}
+
+ModelKind SegmentSettings::model_kind() const {
+  return model.value_or(wants_many() ? ModelKind::catmull_clark : fit.model.kind);
 }
 
 namespace {
@@ -35,8 +40,25 @@ void validate_seeds(const SegmentSettings& s) {
              "the radius must be above 0 mm");
     }
   }
-  if (s.objects == Objects::many) {
-    refuse("objects", "many", "finding many objects is not available yet; give one --seed-sphere for each object");
+}
+
+void validate_many(const SegmentSettings& s) {
+  if (s.radius && !(s.radius->min > 0.0 && s.radius->max >= s.radius->min && std::isfinite(s.radius->max))) {
+    refuse("radius", fmt::format("{},{}", s.radius->min, s.radius->max), "MIN must be above 0 mm and MAX not below it");
+  }
+  if (!(s.valley > 0.0 && s.valley <= 1.0)) {
+    refuse("valley", fmt::format("{}", s.valley), "must be above 0 and at most 1");
+  }
+  if (!s.wants_many()) {
+    if (s.radius) refuse("radius", fmt::format("{},{}", s.radius->min, s.radius->max), "needs --objects many");
+    return;
+  }
+  if (s.points) throw UsageError("conflicting flags (--points): expert points are for one object, not --objects many");
+  if (s.trace) throw UsageError("conflicting flags (--trace): a trace is of one object, not --objects many");
+  if (s.fit.start_rule == StartRule::head) refuse("start-rule", "head", "finds one brain; not for --objects many");
+  if (s.fit.boundary == Boundary::ridge) {
+    refuse("boundary", "ridge",
+           "many objects are found by their inside; membranes are not available with --objects many");
   }
 }
 
@@ -80,6 +102,7 @@ void SegmentSettings::validate_values() const {
     refuse("spacing", fmt::format("{},{},{}", (*spacing)[0], (*spacing)[1], (*spacing)[2]), "must be above 0 mm");
   }
   validate_seeds(*this);
+  validate_many(*this);
   validate_outputs(*this);
   validate_fit(*this);
 }

@@ -11,6 +11,7 @@
 
 #include "pellicle/fit/settings.h"
 #include "pellicle/mesh/mesh_file.h"
+#include "pellicle/seed/blob_scale_space.h"
 
 namespace pellicle {
 
@@ -29,6 +30,8 @@ struct SegmentSettings {
   std::optional<std::filesystem::path> seed_model;
   bool seed_auto = false;  ///< also what happens when no seed is given
   Objects objects = Objects::one;
+  std::optional<RadiusRange> radius;  ///< of many objects, mm; default: estimated
+  double valley = 0.9;                ///< of many objects: SeedRules::valley
   Coords coords = Coords::lps;
   std::optional<Vec3> spacing;                  ///< mm, instead of the file's
   std::string preset;                           ///< as named by the user; its values are already in the rest
@@ -37,6 +40,7 @@ struct SegmentSettings {
   std::optional<std::filesystem::path> trace;  ///< folder for the meshes on the way
   int trace_every = 3;                         ///< steps
   FitSettings fit;
+  std::optional<ModelKind> model;  ///< as named by the user; default: see model_kind()
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
   std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: half the mean spacing
@@ -45,6 +49,10 @@ struct SegmentSettings {
   bool quiet = false, log_json = false, no_progress = false, verbose = false;
 
   bool writes(const std::string& kind) const;
+  /// `model` or, for many objects, Catmull-Clark, else the normal model.
+  ModelKind model_kind() const;
+  /// Whether several objects are asked for, so that a label map is written however many there are.
+  bool wants_many() const { return objects == Objects::many; }
   /// \throws UsageError naming the flag, its value and the rule. Does not look at any file.
   void validate() const;
   /// The same without the need for an input and an output.
