@@ -1,5 +1,5 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, shapes,
-// orders, torus, handles, points, power, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR,
+// orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR,
 // --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
@@ -68,6 +68,7 @@ int main(int argc, char** argv) try {
       {"handles", handle_table},
       {"points", points_table},
       {"power", power_table},
+      {"nuclei", nuclei_table},
       {"brain", brain_table},
       {"sarcoma", sarcoma_table},
       {"shapes", shape_table},

@@ -23,6 +23,7 @@ void torus_table(const Options& options);
 void handle_table(const Options& options);
 void points_table(const Options& options);
 void power_table(const Options& options);
+void nuclei_table(const Options& options);
 void brain_table(const Options& options);
 void sarcoma_table(const Options& options);
 void shape_table(const Options& options);
