@@ -11,6 +11,10 @@ namespace CLI {
 class App;
 }
 
+namespace pellicle {
+struct SettingKey;
+}
+
 namespace pellicle::cli {
 
 /// Returns the exit code; throws pellicle::Error.
@@ -23,9 +27,13 @@ Run add_export(CLI::App& app);
 Run add_fit(CLI::App& app, const std::vector<std::string>& command_line);
 Run add_morph(CLI::App& app, const std::vector<std::string>& command_line);
 Run add_info(CLI::App& app);
+Run add_batch(CLI::App& app);
 
 /// Flags that every subcommand has: -q, -v, --log-json, --no-progress.
 ConsoleOptions* add_console_flags(CLI::App& app);
+
+/// The flag of one setting of `segment`; the words that follow it go to `values`, which must live as long as the app.
+void add_setting_flag(CLI::App& app, const SettingKey& key, std::vector<std::string>& values);
 
 /// "1,2,3" as three numbers; one number stands for all three. \throws UsageError naming `where`.
 std::vector<double> three_numbers(const std::string& text, const std::string& where);

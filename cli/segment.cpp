@@ -16,19 +16,15 @@ namespace pellicle::cli {
 
 namespace {
 
-/// Words that followed each flag on the command line.
-struct Typed {
-  std::vector<std::vector<std::string>> values;
-  std::string config;
-};
-
 std::string joined(const SettingValues& values) {
   std::string text;
   for (const auto& value : values) text += (text.empty() ? "" : ",") + value;
   return text;
 }
 
-void add_key(CLI::App& app, const SettingKey& key, std::vector<std::string>& values) {
+}  // namespace
+
+void add_setting_flag(CLI::App& app, const SettingKey& key, std::vector<std::string>& values) {
   const std::string flags = fmt::format("{}{}--{}", key.short_flag, key.short_flag.empty() ? "" : ",", key.name);
   const std::string standard = joined(key.get(SegmentSettings{}));
   CLI::Option* option = nullptr;
@@ -42,6 +38,14 @@ void add_key(CLI::App& app, const SettingKey& key, std::vector<std::string>& val
   }
   option->group(key.group);
 }
+
+namespace {
+
+/// Words that followed each flag on the command line.
+struct Typed {
+  std::vector<std::vector<std::string>> values;
+  std::string config;
+};
 
 bool may_repeat(const SettingKey& key) {
   return key.kind == SettingKind::vectors || key.kind == SettingKind::table;
@@ -153,7 +157,7 @@ Run add_segment(CLI::App& app, const std::vector<std::string>& command_line) {
   auto typed = std::make_shared<Typed>();
   const auto& keys = segment_keys();
   typed->values.resize(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) add_key(app, keys[i], typed->values[i]);
+  for (std::size_t i = 0; i < keys.size(); ++i) add_setting_flag(app, keys[i], typed->values[i]);
   app.add_option("--config", typed->config, "settings file: any flag as a key; the command line wins")
       ->type_name("FILE.toml")
       ->group("Run");

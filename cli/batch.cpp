@@ -1,0 +1,123 @@
+#include "pellicle/pipeline/batch.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "commands.h"
+#include "pellicle/base/child_process.h"
+#include "pellicle/base/errors.h"
+#include "pellicle/pipeline/settings.h"
+
+namespace pellicle::cli {
+
+namespace {
+
+struct Flags {
+  std::vector<std::string> sources;  ///< one table, or patterns
+  std::vector<std::vector<std::string>> typed;
+  std::string config, shard = "1/1";
+  BatchSettings batch;
+  ConsoleOptions* console = nullptr;
+};
+
+bool is_common(const SettingKey& key) {
+  return may_vary(key.name) && key.name != "input" && key.name != "name";
+}
+
+bool is_table(const std::string& source) {
+  const auto extension = std::filesystem::path(source).extension();
+  return extension == ".csv" || extension == ".tsv";
+}
+
+std::vector<BatchCase> cases_from(const std::vector<std::string>& sources) {
+  if (sources.size() == 1 && is_table(sources.front())) return read_manifest(sources.front());
+  if (std::any_of(sources.begin(), sources.end(), is_table)) {
+    throw UsageError("several sources (MANIFEST): one table, or volumes and patterns of them; give one kind");
+  }
+  return cases_of_patterns(sources);
+}
+
+FlagValues common_values(const Flags& flags) {
+  FlagValues common;
+  const auto& keys = segment_keys();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto& values = flags.typed[i];
+    if (values.empty()) continue;
+    SegmentSettings scratch;
+    const bool list = keys[i].kind == SettingKind::words || keys[i].kind == SettingKind::vector;
+    keys[i].set(scratch, list ? split_commas(values.front()) : values, "--" + keys[i].name);
+    common[keys[i].name] = values;
+  }
+  if (!flags.config.empty()) common["config"] = {flags.config};
+  return common;
+}
+
+int run_batch_command(Flags& flags, Console& console) {
+  console.configure(*flags.console);
+  BatchSettings settings = flags.batch;
+  settings.program = this_program();
+  settings.shard = parse_shard(flags.shard);
+  settings.common = common_values(flags);
+  BatchContext context;
+  context.progress = [&](double share, const std::string& what) { console.progress(share, what); };
+  context.finished = [&](const BatchRow& row) {
+    if (row.failed()) console.warn(fmt::format("{} ({}): {}", row.status, row.name, row.message));
+    const std::string volume = row.volume_ml ? fmt::format("{:.6g}", *row.volume_ml) : "n/a";
+    std::cout << fmt::format("{} {} {} {:.3f}\n", row.name, volume, row.status, row.seconds.value_or(0.0))
+              << std::flush;
+  };
+  const BatchResult result = run_batch(cases_from(flags.sources), settings, context);
+  if (result.kept > 0) console.inform(fmt::format("{} of {} cases were done before", result.kept, result.rows.size()));
+  const auto pending =
+      std::count_if(result.rows.begin(), result.rows.end(), [](const BatchRow& row) { return !row.exit_code; });
+  if (pending > 0) {
+    console.warn(fmt::format(
+        "stopped after a case that failed; {} of {} cases are pending: --resume goes on, --keep-going does not stop",
+        pending, result.rows.size()));
+  }
+  return result.exit_code();
+}
+
+}  // namespace
+
+Run add_batch(CLI::App& app) {
+  auto flags = std::make_shared<Flags>();
+  app.add_option("MANIFEST", flags->sources,
+                 "table (.csv, .tsv): a column a flag of 'segment', a row a case; or volumes, also as a pattern: "
+                 "'scans/*.nii.gz'")
+      ->required();
+  const auto& keys = segment_keys();
+  flags->typed.resize(keys.size());
+  app.add_option("-o,--output", flags->batch.output, "folder: batch.tsv, and a folder for each case")
+      ->type_name("DIR")
+      ->group("Batch");
+  app.add_option("--jobs", flags->batch.jobs, "cases at a time; they share the threads")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Batch");
+  app.add_flag("--resume", flags->batch.resume, "do only what is missing in DIR, or was told otherwise")
+      ->group("Batch");
+  app.add_option("--shard", flags->shard, "only part I of N of the cases, from 1; its table is batch-I-of-N.tsv")
+      ->type_name("I/N")
+      ->group("Batch");
+  app.add_flag("--keep-going", flags->batch.keep_going, "go on after a case that failed")->group("Batch");
+  app.add_flag("--overwrite", flags->batch.overwrite, "start anew and replace files")->group("Batch");
+  app.add_option("--threads", flags->batch.threads, "threads of all cases together; 0: all")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Run");
+  app.add_option("--config", flags->config, "settings file for every case")->type_name("FILE.toml")->group("Run");
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (is_common(keys[i])) add_setting_flag(app, keys[i], flags->typed[i]);
+  }
+  flags->console = add_console_flags(app);
+  app.footer(
+      "Flags of 'segment' that stand here hold for every case; what a row says wins.\n"
+      "One line a case on stdout: name volume_ml status seconds. Exit code 3: a fit is not ok; 1: a case failed.\n"
+      "Example: pellicle batch cases.csv -o out --preset bright --jobs 2 --keep-going --resume");
+  return [flags](Console& console) { return run_batch_command(*flags, console); };
+}
+
+}  // namespace pellicle::cli
