@@ -28,6 +28,7 @@ Run add_fit(CLI::App& app, const std::vector<std::string>& command_line);
 Run add_morph(CLI::App& app, const std::vector<std::string>& command_line);
 Run add_info(CLI::App& app);
 Run add_batch(CLI::App& app);
+Run add_report(CLI::App& app);
 
 /// Flags that every subcommand has: -q, -v, --log-json, --no-progress.
 ConsoleOptions* add_console_flags(CLI::App& app);

@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
   auto* fit = app.add_subcommand("fit", "points, mesh or mask -> fitted surface (no image)");
   auto* morph = app.add_subcommand("morph", "shapes between two saved models of one kind, and beyond");
   auto* batch = app.add_subcommand("batch", "a table of many segmentations, each in a process of its own");
+  auto* report = app.add_subcommand("report", "results -> one self-contained HTML page");
   auto* info = app.add_subcommand("info", "what a file holds: grid, frame, spacing, type, range");
   const std::map<const CLI::App*, Run> commands{{segment, pellicle::cli::add_segment(*segment, command_line)},
                                                 {phantom, pellicle::cli::add_phantom(*phantom)},
@@ -89,6 +90,7 @@ int main(int argc, char** argv) {
                                                 {fit, pellicle::cli::add_fit(*fit, command_line)},
                                                 {morph, pellicle::cli::add_morph(*morph, command_line)},
                                                 {batch, pellicle::cli::add_batch(*batch)},
+                                                {report, pellicle::cli::add_report(*report)},
                                                 {info, pellicle::cli::add_info(*info)}};
   try {
     app.parse(argc, argv);

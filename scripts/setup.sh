@@ -15,6 +15,7 @@ packages=(
   clang-format clang-tidy
   python3 python3-nibabel python3-numpy python3-jsonschema
   mricron-data
+  chromium
 )
 
 missing=()

@@ -99,7 +99,7 @@ std::optional<ChildExit> ChildProcess::poll() {
 
 std::filesystem::path this_program() {
   std::error_code fault;
-  const auto path = std::filesystem::read_symlink("/proc/self/exe", fault);
+  auto path = std::filesystem::read_symlink("/proc/self/exe", fault);
   if (fault) throw IoError(fmt::format("the program's own file is not known (/proc/self/exe): {}", fault.message()));
   return path;
 }

@@ -38,6 +38,12 @@ struct Evidence {
       0.0;  ///< share of the samples behind whose edge, 4.5 to 8 h out, the image is like the inside again
 };
 
+/// What one step of a stage came to.
+struct StepSummary {
+  double move_mm = 0.0;                    ///< area-mean normal move
+  std::map<std::string, double> energies;  ///< after the step, weighted, by name; its own targets
+};
+
 struct StageSummary {
   std::string name;
   int detail = 0, control_points = 0, degrees_of_freedom = 0, samples = 0;
@@ -47,6 +53,7 @@ struct StageSummary {
   double last_move_mm = -1.0;  ///< area-mean normal move of the last step
   double rms_residual_mm = -1.0;
   std::map<std::string, double> energy_before, energy_after;  ///< weighted, by name
+  std::vector<StepSummary> history;                           ///< one entry a step
   double seconds = 0.0;
 };
 

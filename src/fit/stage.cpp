@@ -431,6 +431,7 @@ StageSummary StageRun::run() {
     ++summary.steps;
     const StepGeometry next = geometry_at(state_, *geometry_);
     const double move = summary.last_move_mm = mean_normal_move(g, next);
+    summary.history.push_back({move, energies_of_surface(problem, next.samples.x)});
     before = std::move(g.samples.x);
     g = next;
     if (!outcome.usable || !healthy(g)) {
@@ -449,7 +450,8 @@ StageSummary StageRun::run() {
       break;
     }
   }
-  summary.energy_after = energies_of_surface(problem, g.samples.x);
+  summary.energy_after =
+      summary.history.empty() ? energies_of_surface(problem, g.samples.x) : summary.history.back().energies;
   summary.rms_residual_mm = rms_;
   state_.error = std::max(rms_, points_.count > 0 ? points_.rms_mm : -1.0);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

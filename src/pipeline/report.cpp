@@ -29,6 +29,14 @@ json weights(const std::map<std::string, double>& values) {
   return object;
 }
 
+json history_json(const std::vector<StepSummary>& history) {
+  json steps = json::array();
+  for (const auto& step : history) {
+    steps.push_back({{"move_mm", number(step.move_mm)}, {"energies", weights(step.energies)}});
+  }
+  return steps;
+}
+
 json stage_json(const StageSummary& s) {
   return {{"name", s.name},
           {"detail", s.detail},
@@ -42,6 +50,7 @@ json stage_json(const StageSummary& s) {
           {"rms_residual_mm", number(s.rms_residual_mm)},
           {"energy_before", weights(s.energy_before)},
           {"energy_after", weights(s.energy_after)},
+          {"history", history_json(s.history)},
           {"seconds", s.seconds}};
 }
 
