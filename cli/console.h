@@ -31,17 +31,18 @@ class Console {
   void warn(const std::string& message);
   /// `pellicle: error: MESSAGE`, line breaks turned into spaces.
   void error(const std::string& message);
-  /// Draws the bar when stderr is a terminal, at most ten times a second.
+  /// Draws the bar, with the time that is left, when stderr is a terminal; at most ten times a second.
   void progress(double share, const std::string& what);
 
  private:
   void log(int level, const char* name, const std::string& message);
   void clear_bar();
+  std::string remaining(double share) const;
 
   std::shared_ptr<spdlog::logger> logger_;
   ConsoleOptions options_;
   bool bar_shown_ = false;
-  std::chrono::steady_clock::time_point last_bar_{};
+  std::chrono::steady_clock::time_point last_bar_{}, begin_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace pellicle::cli

@@ -113,6 +113,7 @@ class Batch {
     const auto content = nlohmann::json::parse(in, nullptr, false);
     if (!content.is_object() || !content.contains("outputs")) return false;
     for (const auto& file : content["outputs"]) {
+      if (!file.is_object()) return false;
       if (file.value("kind", "") == "trace") continue;  // in a folder of its own
       if (!fs::exists(folder / fs::path(file.value("path", "")).filename(), fault)) return false;
     }

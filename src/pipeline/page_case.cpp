@@ -80,7 +80,7 @@ std::optional<fs::path> input_path(const fs::path& report, const std::string& re
 
 std::vector<Surface> surfaces_of(const json& report, const fs::path& path) {
   std::vector<Surface> surfaces;
-  for (const auto& file : report["outputs"]) {
+  for (const auto& file : report.at("outputs")) {
     if (file.value("kind", "") != "model") continue;
     const auto found = output_path(path, file.value("path", ""));
     if (!found) return {};
@@ -94,7 +94,7 @@ std::vector<TriangleMesh> meshes_of(const json& report, const fs::path& path, st
   const std::vector<Surface> surfaces = surfaces_of(report, path);
   if (!surfaces.empty()) return viewing_meshes(surfaces, most_triangles);
   std::vector<TriangleMesh> meshes;
-  for (const auto& file : report["outputs"]) {
+  for (const auto& file : report.at("outputs")) {
     if (file.value("kind", "") != "mesh") continue;
     if (const auto found = output_path(path, file.value("path", ""))) meshes.push_back(read_mesh(*found));
   }
@@ -107,14 +107,15 @@ struct FoundVolume {
 };
 
 FoundVolume volume_of(const json& report, const fs::path& path) {
-  if (!report.contains("inputs") || report["inputs"].empty()) return {{}, "The report names no volume."};
-  const json& input = report["inputs"].front();
+  if (!report.contains("inputs") || report.at("inputs").empty()) return {{}, "The report names no volume."};
+  const json& input = report.at("inputs").front();
   const auto found = input_path(path, input.value("path", ""));
   if (!found) return {{}, "The volume was not found when the page was made."};
   if (sha256_of(*found) != input.value("sha256", "")) return {{}, "The volume has changed since it was segmented."};
   ReadOptions options;
-  if (const json& s = report["settings"]; s.contains("spacing") && s["spacing"].is_array()) {
-    options.spacing = Vec3(s["spacing"][0].get<double>(), s["spacing"][1].get<double>(), s["spacing"][2].get<double>());
+  if (const json& s = report.at("settings"); s.contains("spacing") && s.at("spacing").is_array()) {
+    options.spacing = Vec3(s.at("spacing").at(0).get<double>(), s.at("spacing").at(1).get<double>(),
+                           s.at("spacing").at(2).get<double>());
   }
   return {in_lps_order(read_volume(*found, options).image), ""};
 }
@@ -152,21 +153,21 @@ Canvas strip_of(const Image<float>* image, const TriangleMesh& mesh) {
 }
 
 json object_facts(const json& object, std::size_t index) {
-  const json& fit = object["fit"];
+  const json& fit = object.at("fit");
   json facts;
   for (const char* key : {"label", "name", "status", "reason", "area_mm2", "watertight", "genus", "self_intersections",
                           "touches_border"}) {
-    facts[key] = object[key];
+    facts[key] = object.at(key);
   }
-  facts["volume_ml"] = object["volume_ml"]["surface"];
-  facts["mask_ml"] = object["volume_ml"]["mask"];
-  facts["model"] = object["model"]["name"];
-  facts["control_points"] = object["model"]["control_points"];
+  facts["volume_ml"] = object.at("volume_ml").at("surface");
+  facts["mask_ml"] = object.at("volume_ml").at("mask");
+  facts["model"] = object.at("model").at("name");
+  facts["control_points"] = object.at("model").at("control_points");
   for (const char* key :
        {"polarity", "boundary", "level_inside", "level_outside", "iterations", "convergence", "stages", "hypotheses"}) {
-    facts[key] = fit[key];
+    facts[key] = fit.at(key);
   }
-  facts["evidence"] = fit["evidence"]["score"];
+  facts["evidence"] = fit.at("evidence").at("score");
   facts["color"] = object_color(index);
   return facts;
 }
@@ -181,28 +182,28 @@ std::string quoted(const std::string& word) {
 
 json provenance_of(const json& report, const fs::path& path) {
   json facts;
-  facts["finished"] = report["finished"];
-  facts["program"] = fmt::format("{} {}", report["program"]["name"].get<std::string>(),
-                                 report["program"]["version"].get<std::string>());
-  facts["libraries"] = report["program"]["libraries"];
+  facts["finished"] = report.at("finished");
+  facts["program"] = fmt::format("{} {}", report.at("program").at("name").get<std::string>(),
+                                 report.at("program").at("version").get<std::string>());
+  facts["libraries"] = report.at("program").at("libraries");
   std::string command;
-  for (const auto& word : report["command_line"])
+  for (const auto& word : report.at("command_line"))
     command += (command.empty() ? "" : " ") + quoted(word.get<std::string>());
   facts["command"] = command;
   facts["report"] = path.string();
-  facts["inputs"] = report["inputs"];
-  facts["outputs"] = report["outputs"];
-  const json& grid = report["input"]["grid"];
-  facts["grid"] =
-      fmt::format("{} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {}, {}", grid["size"][0].get<int>(),
-                  grid["size"][1].get<int>(), grid["size"][2].get<int>(), grid["spacing_mm"][0].get<double>(),
-                  grid["spacing_mm"][1].get<double>(), grid["spacing_mm"][2].get<double>(),
-                  grid["orientation"].get<std::string>(), report["input"]["format"].get<std::string>());
+  facts["inputs"] = report.at("inputs");
+  facts["outputs"] = report.at("outputs");
+  const json& grid = report.at("input").at("grid");
+  facts["grid"] = fmt::format(
+      "{} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {}, {}", grid.at("size").at(0).get<int>(),
+      grid.at("size").at(1).get<int>(), grid.at("size").at(2).get<int>(), grid.at("spacing_mm").at(0).get<double>(),
+      grid.at("spacing_mm").at(1).get<double>(), grid.at("spacing_mm").at(2).get<double>(),
+      grid.at("orientation").get<std::string>(), report.at("input").at("format").get<std::string>());
   std::string seconds;
-  for (const auto& [phase, time] : report["seconds"].items())
+  for (const auto& [phase, time] : report.at("seconds").items())
     seconds += fmt::format("{}{} {:.2f} s", seconds.empty() ? "" : ", ", phase, time.get<double>());
   facts["seconds"] = seconds;
-  facts["memory"] = fmt::format("{:.0f} MB", report["peak_memory_bytes"].get<double>() / 1e6);
+  facts["memory"] = fmt::format("{:.0f} MB", report.at("peak_memory_bytes").get<double>() / 1e6);
   return facts;
 }
 
@@ -210,26 +211,26 @@ void add_report(const json& report, const fs::path& path, json& facts) {
   std::string status = "ok", reason;
   double volume = 0.0;
   json objects = json::array(), evidence = nullptr;
-  for (const auto& object : report["objects"]) {
-    const auto own = object["status"].get<std::string>();
+  for (const auto& object : report.at("objects")) {
+    const auto own = object.at("status").get<std::string>();
     if ((status == "ok" && own != "ok") || reason.empty()) {
       status = own;
-      reason = object["reason"].get<std::string>();
+      reason = object.at("reason").get<std::string>();
     }
-    const json& score = object["fit"]["evidence"]["score"];
+    const json& score = object.at("fit").at("evidence").at("score");
     if (score.is_number() && (evidence.is_null() || score < evidence)) evidence = score;
-    if (object["volume_ml"]["surface"].is_number()) volume += object["volume_ml"]["surface"].get<double>();
+    if (object.at("volume_ml").at("surface").is_number()) volume += object.at("volume_ml").at("surface").get<double>();
     objects.push_back(object_facts(object, objects.size()));
   }
   facts["status"] = status;
   facts["reason"] = reason;
   facts["volume_ml"] = volume;
   facts["evidence"] = evidence;
-  facts["seconds"] = report["seconds"]["total"];
+  facts["seconds"] = report.at("seconds").at("total");
   facts["objects"] = objects;
-  facts["settings"] = report["settings"];
+  facts["settings"] = report.at("settings");
   facts["provenance"] = provenance_of(report, path);
-  facts["warnings"] = report["warnings"];
+  facts["warnings"] = report.at("warnings");
 }
 
 Vec3 middle_of(const TriangleMesh& mesh) {
@@ -302,8 +303,8 @@ PageParts page_parts(const PageCase& one, const PageLimits& limits, bool viewer,
     parts.facts["seconds"] = one.row->seconds ? json(*one.row->seconds) : json(nullptr);
   }
   if (!one.report || (one.row && !one.row->done())) return parts;  // a report beside a failed case is an older one
-  const json report = read_report(*one.report);
   try {
+    const json report = read_report(*one.report);
     add_report(report, *one.report, parts.facts);
     add_pictures(report, *one.report, limits, viewer, scratch, parts);
   } catch (const json::exception& fault) {

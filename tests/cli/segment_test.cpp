@@ -245,7 +245,14 @@ TEST_F(Segment, QuietSaysNothingAndVerboseJsonIsOneObjectALine) {
           scratch);
   EXPECT_GT(line_count(loud.err), 2);
   std::istringstream lines(loud.err);
-  for (std::string line; std::getline(lines, line);) EXPECT_TRUE(json::parse(line).contains("message")) << line;
+  for (std::string line; std::getline(lines, line);) {  // docs/log.schema.json
+    const json record = json::parse(line);
+    EXPECT_EQ(record.size(), 3U) << line;
+    EXPECT_THAT(record.at("time").get<std::string>(), testing::MatchesRegex("....-..-..T..:..:..Z"));
+    EXPECT_THAT(record.at("level").get<std::string>(), testing::AnyOf("info", "warning"));
+    EXPECT_THAT(record.at("message").get<std::string>(),
+                testing::StartsWith("pellicle: " + record["level"].get<std::string>()));
+  }
 }
 
 // Points of the truth's surface, in the frame asked for.
