@@ -1,5 +1,6 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, shapes,
-// orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default: all). Options: --data DIR, --head DIR,
+// orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default: all). Options: --data DIR,
+// --head DIR,
 // --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the brain).
 
 #include <fmt/format.h>
