@@ -116,9 +116,8 @@ class Levels {
   }
 
   void interpolate() {
-    const bool torus = settings_.model.kind == ModelKind::spline_torus;
-    auto [model, parameters] =
-        interpolate_grid(*result_.input.grid, torus ? SplineTopology::torus : SplineTopology::sphere);
+    const SurfaceModel start = start_model(settings_.model);
+    auto [model, parameters] = interpolate_grid(*result_.input.grid, std::get<SplineModel>(start).settings().topology);
     PointFit fit{{std::move(model), std::move(parameters)}, {}};
     fit.summary.control_points = control_point_count(fit.surface.model);
     fit.summary.degrees_of_freedom = degrees_of_freedom(fit.surface.model);
@@ -353,11 +352,10 @@ class Levels {
 }  // namespace
 
 void check_model(ModelKind kind, const GeometryInput& input) {
-  const bool spline_grid = kind == ModelKind::spline || kind == ModelKind::spline_torus;
-  if (input.grid && !spline_grid) {
+  if (input.grid && !std::holds_alternative<SplineModel>(start_model({.kind = kind}))) {
     throw UsageError(
         fmt::format("bad value (--model {}): a grid of points (u_index, v_index) is interpolated by a "
-                    "spline; give --model spline or spline-torus",
+                    "spline; give --model spline, spline-torus, spline-cylinder or spline-rectangle",
                     name_of(kind)));
   }
   if (!input.grid && kind != ModelKind::spline && !takes_any_genus(kind)) {

@@ -119,9 +119,10 @@ GeometryInput from_points(const fs::path& path, bool open) {
   }
   input.grid = std::move(cloud.grid);
   if (input.grid && open) {
-    throw UsageError(fmt::format(
-        "bad value (--open, -i {}): a grid of points is interpolated as a sphere or torus; leave --open out",
-        path.string()));
+    throw UsageError(
+        fmt::format("bad value (--open, -i {}): a grid of points is interpolated; leave --open out (spline-cylinder "
+                    "and spline-rectangle are open)",
+                    path.string()));
   }
   if (input.grid) {
     input.data.robust = false;

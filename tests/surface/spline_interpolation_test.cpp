@@ -59,6 +59,39 @@ TEST(InterpolateGrid, ATorusNeedsNoPoles) {
   EXPECT_LE((model.at(parameters, 2.0 / 6.0, 3.0 / 5.0).x - grid.at(2, 3)).norm(), 1e-12);
 }
 
+TEST(InterpolateGrid, OpenOnesMeetEveryPoint) {
+  RandomEngine random(4);
+  for (const SplineTopology topology : {SplineTopology::cylinder, SplineTopology::rectangle}) {
+    for (const int rows : {2, 3, 6}) {
+      PointGrid grid{5, rows, {}};
+      for (int i = 0; i < 5 * rows; ++i) grid.points.emplace_back(random.normal(), random.normal(), random.normal());
+      const auto [model, parameters] = interpolate_grid(grid, topology);
+      const double columns = topology == SplineTopology::cylinder ? 5.0 : 4.0;
+      for (int l = 0; l < rows; ++l) {
+        for (int k = 0; k < 5; ++k) {
+          EXPECT_LE((model.at(parameters, k / columns, l / (rows - 1.0)).x - grid.at(k, l)).norm(), 1e-12);
+        }
+      }
+    }
+  }
+}
+
+TEST(InterpolateGrid, AQuadraticSheetIsExactUpToItsCorners) {
+  const auto sheet = [](double u, double v) -> Vec3 {
+    return {3.0 * u + u * v, 2.0 * v - u * u, u * u + 0.5 * v * v - 2.0 * u * v};
+  };
+  PointGrid grid{4, 5, {}};
+  for (int l = 0; l < 5; ++l) {
+    for (int k = 0; k < 4; ++k) grid.points.push_back(sheet(k / 3.0, l / 4.0));
+  }
+  const auto [model, parameters] = interpolate_grid(grid, SplineTopology::rectangle);
+  RandomEngine random(5);
+  for (int i = 0; i < 200; ++i) {
+    const double u = i < 4 ? i % 2 : random.uniform(), v = i < 4 ? i / 2 : random.uniform();
+    EXPECT_LE((model.at(parameters, u, v).x - sheet(u, v)).norm(), 1e-12) << u << " " << v;
+  }
+}
+
 TEST(InterpolateGrid, RefusesWhatIsNoSurface) {
   const auto same = [](const Vec3& n) -> Vec3 { return n; };
   EXPECT_THROW(interpolate_grid(sphere_grid(3, 5, same), SplineTopology::sphere), BadData);
@@ -66,7 +99,8 @@ TEST(InterpolateGrid, RefusesWhatIsNoSurface) {
   PointGrid torn = sphere_grid(6, 5, same);
   torn.points[2] += Vec3(0.1, 0, 0);  // a pole that is no point
   EXPECT_THROW(interpolate_grid(torn, SplineTopology::sphere), BadData);
-  EXPECT_THROW(interpolate_grid(sphere_grid(6, 5, same), SplineTopology::rectangle), BadData);
+  EXPECT_THROW(interpolate_grid(sphere_grid(3, 5, same), SplineTopology::cylinder), BadData);
+  EXPECT_THROW(interpolate_grid({1, 5, std::vector<Vec3>(5, Vec3::Zero())}, SplineTopology::rectangle), BadData);
 }
 
 }  // namespace
