@@ -143,12 +143,26 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   good.points = "p.csv";
   good.fit.energies["springs"] = 1.0;
   EXPECT_NO_THROW(good.validate());
+  SegmentSettings many = good;
+  many.points.reset();
+  many.fit.energies.clear();
+  many.objects = Objects::many;
+  many.radius = RadiusRange{2.0, 4.0};
+  EXPECT_NO_THROW(many.validate());
   refuses([](auto& s) { s.input.clear(); });
   refuses([](auto& s) { s.output.clear(); });
   refuses([](auto& s) { s.trace_every = 0; });
   refuses([](auto& s) { s.fit.mass = 1.0; });
   refuses([](auto& s) { s.fit.energies["springs"] = 1.0; });
-  refuses([](auto& s) { s.objects = Objects::many; });
+  refuses([](auto& s) { s.radius = RadiusRange{2.0, 4.0}; });  // of many objects alone
+  refuses([](auto& s) {
+    s.objects = Objects::many;
+    s.radius = RadiusRange{4.0, 2.0};
+  });
+  refuses([](auto& s) {
+    s.objects = Objects::many;
+    s.valley = 1.5;
+  });
   refuses([](auto& s) { s.write = {"picture"}; });
   refuses([](auto& s) { s.write = {}; });
   refuses([](auto& s) { s.threads = -1; });
