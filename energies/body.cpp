@@ -14,7 +14,7 @@ namespace {
 constexpr int kSide = 10;  // profile points on each side
 constexpr int kPoints = 2 * kSide + 1;
 constexpr std::array<double, 4> kDepths{0.25, 0.45, 0.65, 0.8};  // of the way from the centroid
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One profile, cut where the territory or the image ends.
 struct Profile {
@@ -29,7 +29,7 @@ double lower_quartile(const Profile& p, int from) {
   int n = 0;
   for (int k = std::max(from, p.first); k < p.end; ++k)
     v[static_cast<std::size_t>(n++)] = p.value[static_cast<std::size_t>(k)];
-  if (n == 0) return kNaN;
+  if (n == 0) return kUnknown;
   std::sort(v.begin(), v.begin() + n);
   const double position = 0.25 * (n - 1);
   const auto low = static_cast<std::size_t>(position);
@@ -42,7 +42,7 @@ double mean_between(const Profile& p, int from, int to) {
   int n = 0;
   for (int k = std::max(from, p.first); k <= std::min(to, p.end - 1); ++k, ++n)
     sum += static_cast<double>(p.value[static_cast<std::size_t>(k)]);
-  return n > 0 ? sum / n : kNaN;
+  return n > 0 ? sum / n : kUnknown;
 }
 
 // Where the score is highest, in steps from the surface; refined by the parabola through the neighbours, which is exact

@@ -29,7 +29,7 @@ PointDistances distances_to(const ExpertPoints& points, const Surface& surface, 
 
 /// The ellipsoid with the points' second moments (of points spread over an ellipsoid: that one), when there are twelve
 /// or more and they do not lie near a plane: enough to say where the object is all around.
-std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& choice, double h);
+std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoice& model, double h);
 
 /// Half the mean gap between the points on the surface drawn to them (three voxels at least): between points it is as
 /// uncertain as they are far apart, and there the image may not lead it away (along the brain stem, say).

@@ -28,7 +28,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-struct Header {
+struct PlyHeader {
   Encoding encoding = Encoding::ascii;
   bool ras = false;
   std::vector<Element> elements;
@@ -120,7 +120,7 @@ class Values {
   std::string_view data_;
 };
 
-void add_property(const Source& source, TextCursor& words, Header& header) {
+void add_property(const Source& source, TextCursor& words, PlyHeader& header) {
   if (header.elements.empty()) fail(source, "a property comes before any element");
   Property property;
   std::string_view word = words.next_word();
@@ -133,8 +133,8 @@ void add_property(const Source& source, TextCursor& words, Header& header) {
   header.elements.back().properties.push_back(property);
 }
 
-Header read_header(const Source& source, TextCursor& lines) {
-  Header header;
+PlyHeader read_header(const Source& source, TextCursor& lines) {
+  PlyHeader header;
   std::string_view line;
   if (!lines.next_line(line) || line.substr(0, 3) != "ply") fail(source, "it does not start with 'ply'");
   bool format_seen = false;
@@ -247,7 +247,7 @@ void append(std::string& out, T value) {
 
 TriangleMesh read_ply(const Source& source) {
   TextCursor lines(source.bytes);
-  const Header header = read_header(source, lines);
+  const PlyHeader header = read_header(source, lines);
   Values values(source, header.encoding, lines.rest());
   TriangleMesh mesh;
   for (const Element& element : header.elements) {

@@ -23,7 +23,7 @@ struct Field {
   std::size_t offset = 0;  ///< within a record
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::size_t points = 0, record = 0;
   std::string data;
@@ -44,7 +44,7 @@ std::size_t count_in(const Source& source, std::string_view word, const char* ke
 }
 
 void read_per_field(const Source& source, const std::string& key, const std::vector<std::string_view>& values,
-                    Header& header) {
+                    PcdHeader& header) {
   if (values.size() != header.fields.size()) fail(source, fmt::format("{} does not name one value a field", key));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (key == "TYPE") {
@@ -57,8 +57,8 @@ void read_per_field(const Source& source, const std::string& key, const std::vec
   }
 }
 
-Header read_header(const Source& source, TextCursor& lines) {
-  Header header;
+PcdHeader read_pcd_header(const Source& source, TextCursor& lines) {
+  PcdHeader header;
   std::string_view line;
   std::size_t width = 0, height = 1;
   bool counted = false;
@@ -142,7 +142,7 @@ void add(const Source& source, const Vec3& x, PointCloud& cloud) {
 
 PointCloud read_pcd(const Source& source) {
   TextCursor lines(source.bytes);
-  const Header header = read_header(source, lines);
+  const PcdHeader header = read_pcd_header(source, lines);
   std::array<const Field*, 3> xyz{};
   for (const Field& field : header.fields) {
     for (std::size_t a = 0; a < 3; ++a) {

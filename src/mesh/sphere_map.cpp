@@ -20,7 +20,7 @@ namespace pellicle {
 
 namespace {
 
-std::size_t idx(int i) {
+std::size_t slot(int i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -133,18 +133,18 @@ class Mapper {
     int fourth = 0;
     while (!collapsed_.has_vertex(fourth) || std::find(t.begin(), t.end(), fourth) != t.end()) ++fourth;
     // Seen from outside the triangle runs counter-clockwise, with the fourth corner behind it.
-    place_[idx(t[0])] = Vec3(1, 1, 1).normalized();
-    place_[idx(t[1])] = Vec3(-1, 1, -1).normalized();
-    place_[idx(t[2])] = Vec3(1, -1, -1).normalized();
-    place_[idx(fourth)] = Vec3(-1, -1, 1).normalized();
-    if (det(place_[idx(t[0])], place_[idx(t[1])], place_[idx(t[2])]) < 0.0) {
-      std::swap(place_[idx(t[1])], place_[idx(t[2])]);
+    place_[slot(t[0])] = Vec3(1, 1, 1).normalized();
+    place_[slot(t[1])] = Vec3(-1, 1, -1).normalized();
+    place_[slot(t[2])] = Vec3(1, -1, -1).normalized();
+    place_[slot(fourth)] = Vec3(-1, -1, 1).normalized();
+    if (det(place_[slot(t[0])], place_[slot(t[1])], place_[slot(t[2])]) < 0.0) {
+      std::swap(place_[slot(t[1])], place_[slot(t[2])]);
     }
   }
 
   TriangleCost cost_of(int triangle, double mean_area) const {
     const auto& c = collapsed_.triangle(triangle);
-    const Vec3 &a = mesh_.vertices[idx(c[0])], &b = mesh_.vertices[idx(c[1])], &d = mesh_.vertices[idx(c[2])];
+    const Vec3 &a = mesh_.vertices[slot(c[0])], &b = mesh_.vertices[slot(c[1])], &d = mesh_.vertices[slot(c[2])];
     // A small share for every triangle, or slivers would get no place at all.
     constexpr double kShare = 1e-2;
     TriangleCost cost;
@@ -154,7 +154,7 @@ class Mapper {
     const double scale2 = area_ / (4.0 * std::numbers::pi);
     cost.dirichlet = kInverse * scale2 * scale2 / (8.0 * cost.area);
     // E is least when shares go with the root of the weight.
-    cost.area *= (importance_[idx(c[0])] + importance_[idx(c[1])] + importance_[idx(c[2])]) / 3.0;
+    cost.area *= (importance_[slot(c[0])] + importance_[slot(c[1])] + importance_[slot(c[2])]) / 3.0;
     return cost;
   }
 
@@ -179,7 +179,7 @@ class Mapper {
       const auto& c = collapsed_.triangle(t);
       const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
       const TriangleCost cost = cost_of(t, mean_area());
-      const Vec3 &a = place_[idx(c[j])], &b = place_[idx(c[k])];
+      const Vec3 &a = place_[slot(c[j])], &b = place_[slot(c[k])];
       star.wedges.push_back(
           {a, b, a.cross(b), cost.area, cost.opposite2[i], cost.opposite2[j], cost.opposite2[k], cost.dirichlet});
     }
@@ -188,21 +188,21 @@ class Mapper {
 
   // Into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner of it.
   void insert(const Collapse& c) {
-    const Vec3 n = place_[idx(c.kept)];
+    const Vec3 n = place_[slot(c.kept)];
     const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
     Polygon kernel{{-8.0, -8.0}, {8.0, -8.0}, {8.0, 8.0}, {-8.0, 8.0}};
     for (const int t : collapsed_.triangles_at(c.gone)) {
       const auto& corner = collapsed_.triangle(t);
       const std::size_t i = corner[0] == c.gone ? 0 : corner[1] == c.gone ? 1 : 2;
       const int a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
-      const Vec3 normal = place_[idx(a)].cross(place_[idx(b)]);
+      const Vec3 normal = place_[slot(a)].cross(place_[slot(b)]);
       const double at_kept = a == c.kept || b == c.kept ? 0.0 : normal.dot(n);
       kernel = clipped(kernel, at_kept, {normal.dot(t1), normal.dot(t2)});
     }
     if (kernel.size() < 3) throw BadData("spherical map (mesh): a vertex found no place; the mesh is too badly shaped");
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
     for (const auto& p : kernel) centre += p / static_cast<double>(kernel.size());
-    place_[idx(c.gone)] = (n + centre.x() * t1 + centre.y() * t2).normalized();
+    place_[slot(c.gone)] = (n + centre.x() * t1 + centre.y() * t2).normalized();
     relax(c.gone);
     relax(c.gone);
     for (const int t : collapsed_.triangles_at(c.gone)) {
@@ -216,7 +216,7 @@ class Mapper {
   // One damped Newton step of one vertex; returns how far it went.
   double relax(int v) {
     const Star star = star_of(v);
-    Vec3& p = place_[idx(v)];
+    Vec3& p = place_[slot(v)];
     const double before = star.energy(p);
     if (!std::isfinite(before)) return 0.0;
     Vec3 g3;
@@ -250,8 +250,8 @@ class Mapper {
     for (int t = 0; t < collapsed_.all_triangles(); ++t) {
       if (!collapsed_.has_triangle(t)) continue;
       const auto& c = collapsed_.triangle(t);
-      area_ += 0.5 * (mesh_.vertices[idx(c[1])] - mesh_.vertices[idx(c[0])])
-                         .cross(mesh_.vertices[idx(c[2])] - mesh_.vertices[idx(c[0])])
+      area_ += 0.5 * (mesh_.vertices[slot(c[1])] - mesh_.vertices[slot(c[0])])
+                         .cross(mesh_.vertices[slot(c[2])] - mesh_.vertices[slot(c[0])])
                          .norm();
     }
     std::vector<int> present;
@@ -279,8 +279,8 @@ class Mapper {
     double total = 0.0;
     std::vector<double> share(map.direction.size(), 0.0);
     for (const auto& t : map.mesh.triangles) {
-      const double a = spherical_area(map.direction[idx(t[0])], map.direction[idx(t[1])], map.direction[idx(t[2])]);
-      for (const int v : t) share[idx(v)] += a / 3.0;
+      const double a = spherical_area(map.direction[slot(t[0])], map.direction[slot(t[1])], map.direction[slot(t[2])]);
+      for (const int v : t) share[slot(v)] += a / 3.0;
     }
     for (std::size_t v = 0; v < share.size(); ++v) {
       mean_d += share[v] * map.direction[v];
@@ -305,17 +305,17 @@ class Mapper {
     std::vector<int> number(mesh_.vertices.size(), -1);
     for (int v = 0; v < collapsed_.all_vertices(); ++v) {
       if (!collapsed_.has_vertex(v)) continue;
-      number[idx(v)] = static_cast<int>(map.mesh.vertices.size());
-      map.mesh.vertices.push_back(mesh_.vertices[idx(v)]);
-      map.direction.push_back(place_[idx(v)]);
+      number[slot(v)] = static_cast<int>(map.mesh.vertices.size());
+      map.mesh.vertices.push_back(mesh_.vertices[slot(v)]);
+      map.direction.push_back(place_[slot(v)]);
     }
     double area = 0.0, energy = 0.0;
     for (int t = 0; t < collapsed_.all_triangles(); ++t) {
       if (!collapsed_.has_triangle(t)) continue;
       const auto& c = collapsed_.triangle(t);
-      map.mesh.triangles.push_back({number[idx(c[0])], number[idx(c[1])], number[idx(c[2])]});
+      map.mesh.triangles.push_back({number[slot(c[0])], number[slot(c[1])], number[slot(c[2])]});
       const TriangleCost cost = cost_of(t, 0.0);
-      const Vec3 &p = place_[idx(c[0])], &a = place_[idx(c[1])], &b = place_[idx(c[2])];
+      const Vec3 &p = place_[slot(c[0])], &a = place_[slot(c[1])], &b = place_[slot(c[2])];
       Star star;
       star.wedges.push_back(
           {a, b, a.cross(b), cost.area, cost.opposite2[0], cost.opposite2[1], cost.opposite2[2], 0.0});
@@ -344,9 +344,9 @@ std::vector<double> inner_radii(const TriangleMesh& mesh) {
   std::vector<Vec3> normal(n, Vec3::Zero());
   Vec3 lo = mesh.vertices.front(), hi = lo;
   for (const auto& t : mesh.triangles) {
-    const Vec3 area = (mesh.vertices[idx(t[1])] - mesh.vertices[idx(t[0])])
-                          .cross(mesh.vertices[idx(t[2])] - mesh.vertices[idx(t[0])]);
-    for (const int v : t) normal[idx(v)] += area;
+    const Vec3 area = (mesh.vertices[slot(t[1])] - mesh.vertices[slot(t[0])])
+                          .cross(mesh.vertices[slot(t[2])] - mesh.vertices[slot(t[0])]);
+    for (const int v : t) normal[slot(v)] += area;
   }
   for (const Vec3& v : mesh.vertices) {
     lo = lo.cwiseMin(v);
@@ -363,7 +363,7 @@ std::vector<double> inner_radii(const TriangleMesh& mesh) {
       for (int k = 0; k < 30; ++k) {
         const auto near = tree.nearest(p + radius[v] * inward, 1).front();
         if (near.distance >= radius[v] * (1.0 - 1e-6)) break;
-        const Vec3 to = mesh.vertices[idx(near.point)] - p;
+        const Vec3 to = mesh.vertices[slot(near.point)] - p;
         const double height = inward.dot(to);
         if (!(height > 0.0)) break;
         radius[v] = 0.5 * to.squaredNorm() / height;
@@ -375,8 +375,8 @@ std::vector<double> inner_radii(const TriangleMesh& mesh) {
     for (const auto& t : mesh.triangles) {
       for (const int v : t) {
         for (const int w : t) {
-          total[idx(v)] += radius[idx(w)];
-          count[idx(v)] += 1.0;
+          total[slot(v)] += radius[slot(w)];
+          count[slot(v)] += 1.0;
         }
       }
     }
@@ -404,10 +404,10 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
   for (const auto& t : mesh.triangles) {
     std::array<int, 3> renumbered{};
     for (std::size_t i = 0; i < 3; ++i) {
-      int& n = number[idx(t[i])];
+      int& n = number[slot(t[i])];
       if (n < 0) {
         n = static_cast<int>(used.vertices.size());
-        used.vertices.push_back(mesh.vertices[idx(t[i])]);
+        used.vertices.push_back(mesh.vertices[slot(t[i])]);
       }
       renumbered[i] = n;
     }
@@ -433,15 +433,15 @@ SphereLocator::SphereLocator(const SphereMap& map) : map_(map), across_(map.mesh
 SphereLocator::Place SphereLocator::locate(const Vec3& direction, int hint) const {
   const Vec3 d = direction.normalized();
   const auto sides = [&](int t) {
-    const auto& c = map_.mesh.triangles[idx(t)];
-    const Vec3 &p = map_.direction[idx(c[0])], &q = map_.direction[idx(c[1])], &r = map_.direction[idx(c[2])];
+    const auto& c = map_.mesh.triangles[slot(t)];
+    const Vec3 &p = map_.direction[slot(c[0])], &q = map_.direction[slot(c[1])], &r = map_.direction[slot(c[2])];
     return Vec3(det(q, r, d), det(r, p, d), det(p, q, d));
   };
   const auto place_in = [&](int t, Vec3 w) {
     w = w.cwiseMax(0.0);
     return Place{t, w / w.sum()};
   };
-  const auto in_front = [&](int t) { return map_.direction[idx(map_.mesh.triangles[idx(t)][0])].dot(d) > 0.0; };
+  const auto in_front = [&](int t) { return map_.direction[slot(map_.mesh.triangles[slot(t)][0])].dot(d) > 0.0; };
   int t = hint >= 0 ? hint : 0;
   for (std::size_t step = 0; step < across_.size(); ++step) {
     const Vec3 w = sides(t);
@@ -449,7 +449,7 @@ SphereLocator::Place SphereLocator::locate(const Vec3& direction, int hint) cons
     const double least = w.minCoeff(&worst);
     if (least >= 0.0 && in_front(t)) return place_in(t, w);
     // Behind the origin all three may be positive: any way out will do.
-    t = across_[idx(t)][idx((worst + 1) % 3)];
+    t = across_[slot(t)][slot((worst + 1) % 3)];
   }
   // A walk may circle; then every triangle is asked.
   double best = -std::numeric_limits<double>::infinity();
@@ -467,7 +467,8 @@ SphereLocator::Place SphereLocator::locate(const Vec3& direction, int hint) cons
 Vec3 SphereLocator::point_at(const Place& place) const {
   Vec3 x = Vec3::Zero();
   for (std::size_t i = 0; i < 3; ++i) {
-    x += place.barycentric[static_cast<int>(i)] * map_.mesh.vertices[idx(map_.mesh.triangles[idx(place.triangle)][i])];
+    x +=
+        place.barycentric[static_cast<int>(i)] * map_.mesh.vertices[slot(map_.mesh.triangles[slot(place.triangle)][i])];
   }
   return x;
 }

@@ -12,14 +12,14 @@ namespace pellicle {
 namespace {
 
 // One side of a facet: the edge it runs along (smaller vertex first), the direction, and where it is.
-struct Side {
+struct FacetSide {
   std::uint64_t edge;
   std::uint32_t corner;  ///< 3 * facet + corner at which the side starts
   bool forward;          ///< from the smaller to the larger vertex
 };
 
-std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
-  std::vector<Side> sides;
+std::vector<FacetSide> sorted_sides(const TriangleMesh& mesh) {
+  std::vector<FacetSide> sides;
   sides.reserve(3 * mesh.triangles.size());
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -28,8 +28,9 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
       sides.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<std::uint32_t>(3 * f + c), a < b});
     }
   }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& x, const Side& y) { return x.edge != y.edge ? x.edge < y.edge : x.corner < y.corner; });
+  std::sort(sides.begin(), sides.end(), [](const FacetSide& x, const FacetSide& y) {
+    return x.edge != y.edge ? x.edge < y.edge : x.corner < y.corner;
+  });
   return sides;
 }
 
@@ -72,7 +73,7 @@ class Survey {
       topology_.manifold = false;
       fault(fmt::format("facet {} repeats a vertex", f));
     }
-    const std::vector<Side> sides = sorted_sides(mesh_);
+    const std::vector<FacetSide> sides = sorted_sides(mesh_);
     int edges = 0;
     for (std::size_t i = 0; i < sides.size(); ++edges) {
       std::size_t end = i;
@@ -89,7 +90,7 @@ class Survey {
     if (topology_.first_fault.empty()) topology_.first_fault = what;
   }
 
-  void add_edge(const Side* side, std::size_t facets) {
+  void add_edge(const FacetSide* side, std::size_t facets) {
     if (facets != 2) {
       topology_.closed = false;
       if (facets > 2) topology_.manifold = false;
@@ -102,11 +103,11 @@ class Survey {
                         edge_name(side[0].edge)));
     }
     if (facets > 2) {
-      const auto forward = std::count_if(side, side + facets, [](const Side& s) { return s.forward; });
+      const auto forward = std::count_if(side, side + facets, [](const FacetSide& s) { return s.forward; });
       if (2 * static_cast<std::size_t>(forward) != facets) topology_.oriented = false;
     }
     for (std::size_t k = 1; k < facets; ++k) {
-      const auto ends = [](const Side& s) {
+      const auto ends = [](const FacetSide& s) {
         const std::uint32_t start = s.corner, stop = next_corner(s.corner);
         return s.forward ? std::pair(start, stop) : std::pair(stop, start);
       };
@@ -163,7 +164,7 @@ MeshTopology topology_of(const TriangleMesh& mesh) {
 void require_closed(const TriangleMesh& mesh, const std::string& what) {
   check_indices(mesh);
   if (mesh.triangles.empty()) throw BadData(fmt::format("{} (surface): it has no facets", what));
-  const std::vector<Side> sides = sorted_sides(mesh);
+  const std::vector<FacetSide> sides = sorted_sides(mesh);
   for (std::size_t i = 0; i < sides.size();) {
     long balance = 0;
     std::size_t end = i;

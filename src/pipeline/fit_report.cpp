@@ -11,18 +11,18 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-json number(double value) {
+json number_or_null(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
 }
 
 json residual_json(const Residual& r, double diameter) {
   const double percent = diameter > 0.0 ? 100.0 / diameter : 0.0;
-  return {{"rms_mm", number(r.rms)},
-          {"p95_mm", number(r.p95)},
-          {"max_mm", number(r.max)},
-          {"rms_percent", number(percent * r.rms)},
-          {"p95_percent", number(percent * r.p95)},
-          {"max_percent", number(percent * r.max)}};
+  return {{"rms_mm", number_or_null(r.rms)},
+          {"p95_mm", number_or_null(r.p95)},
+          {"max_mm", number_or_null(r.max)},
+          {"rms_percent", number_or_null(percent * r.rms)},
+          {"p95_percent", number_or_null(percent * r.p95)},
+          {"max_percent", number_or_null(percent * r.max)}};
 }
 
 json fit_json(const FittedSurface& fitted, double diameter) {
@@ -37,8 +37,8 @@ json fit_json(const FittedSurface& fitted, double diameter) {
                   {"degrees_of_freedom", s.degrees_of_freedom}};
   out["data_to_surface"] = residual_json(s.to_surface, diameter);
   out["surface_to_data"] = residual_json(s.to_data, diameter);
-  out["held_out_rms_mm"] = s.held_out_rms >= 0.0 ? number(s.held_out_rms) : json(nullptr);
-  out["inlier_rms_mm"] = number(s.inlier_rms);
+  out["held_out_rms_mm"] = s.held_out_rms >= 0.0 ? number_or_null(s.held_out_rms) : json(nullptr);
+  out["inlier_rms_mm"] = number_or_null(s.inlier_rms);
   out["self_intersections"] = s.self_intersections;
   out["genus"] = s.genus;
   out["border_loops"] = s.border_loops;
@@ -93,13 +93,13 @@ json report_of(const GeometryFitResult& result, const std::vector<std::string>& 
                      {"closed_surface", data.surface.has_value()},
                      {"genus", result.input.genus},
                      {"rim_points", data.rim.size()},
-                     {"diameter_mm", number(data.diameter)},
-                     {"bridged_mm", number(result.input.bridged_mm)},
-                     {"spherical_stretch", result.stretch > 0.0 ? number(result.stretch) : json(nullptr)}};
+                     {"diameter_mm", number_or_null(data.diameter)},
+                     {"bridged_mm", number_or_null(result.input.bridged_mm)},
+                     {"spherical_stretch", result.stretch > 0.0 ? number_or_null(result.stretch) : json(nullptr)}};
   const FittedSurface& chosen = result.tried[result.chosen];
   json object = fit_json(chosen, data.diameter);
-  object["volume_ml"] = number(result.volume_ml);
-  object["area_mm2"] = number(result.area_mm2);
+  object["volume_ml"] = number_or_null(result.volume_ml);
+  object["area_mm2"] = number_or_null(result.area_mm2);
   object["mesh"] = {{"vertices", result.mesh.vertices.size()}, {"triangles", result.mesh.triangles.size()}};
   object["watertight"] = result.topology.closed && result.topology.manifold && result.topology.oriented;
   object["components"] = result.topology.components;

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int most_steps = 1000;
 constexpr double farthest_tau = 100.0;
-constexpr int facet_limit = 120000;
+constexpr int most_facets = 120000;
 
 std::string stem_of_model(const fs::path& path) {
   std::string stem = path.stem().string();
@@ -58,7 +58,7 @@ std::vector<std::pair<std::string, fs::path>> planned(const MorphSettings& setti
 int mesh_level(const MorphSettings& settings, const MatchedSurfaces& surfaces) {
   if (settings.mesh_density) return *settings.mesh_density;
   int level = std::max(viewing_level(surfaces.a), viewing_level(surfaces.b));
-  while (level > 2 && (base_facets(surfaces.a.model) << (2 * level)) > facet_limit) --level;
+  while (level > 2 && (base_facets(surfaces.a.model) << (2 * level)) > most_facets) --level;
   return level;
 }
 

@@ -172,7 +172,7 @@ json object_facts(const json& object, std::size_t index) {
   return facts;
 }
 
-std::string quoted(const std::string& word) {
+std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$*?[]();&|<>`!#~") == std::string::npos;
   if (plain) return word;
   std::string text = "'";
@@ -188,7 +188,7 @@ json provenance_of(const json& report, const fs::path& path) {
   facts["libraries"] = report.at("program").at("libraries");
   std::string command;
   for (const auto& word : report.at("command_line"))
-    command += (command.empty() ? "" : " ") + quoted(word.get<std::string>());
+    command += (command.empty() ? "" : " ") + shell_word(word.get<std::string>());
   facts["command"] = command;
   facts["report"] = path.string();
   facts["inputs"] = report.at("inputs");

@@ -28,6 +28,12 @@
 namespace pellicle {
 namespace fs = std::filesystem;
 
+void turn_outward(TriangleMesh& mesh) {
+  if (volume_of(mesh) >= 0.0) return;
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  for (auto& normal : mesh.normals) normal = -normal;
+}
+
 namespace {
 
 // More facets than this add nothing: on a ball of radius R the chords of 100,000 miss the surface by 4e-5 R.
@@ -39,13 +45,6 @@ int mesh_level(const SegmentSettings& settings, const Surface& surface, const Im
   const int control_facets = base_facets(surface.model);
   while (level > 2 && (control_facets << (2 * level)) > facet_limit) --level;
   return std::max(2, level);
-}
-
-// A surface that was turned inside out keeps its status, but a file of it is outward-oriented all the same.
-void turn_outward(TriangleMesh& mesh) {
-  if (volume_of(mesh) >= 0.0) return;
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  for (auto& normal : mesh.normals) normal = -normal;
 }
 
 void measure(ObjectResult& object, const SegmentSettings& settings, const ImageGrid& grid) {

@@ -99,4 +99,7 @@ struct SegmentResult {
 ///         and settings.overwrite is false (before any work); Interrupted.
 SegmentResult segment(const SegmentSettings& settings, const RunContext& context);
 
+/// A surface that was turned inside out keeps its status, but a file of it is outward-oriented all the same.
+void turn_outward(TriangleMesh& mesh);
+
 }  // namespace pellicle

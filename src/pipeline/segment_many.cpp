@@ -68,12 +68,6 @@ class Layouts {
   std::map<std::pair<int, int>, SampleLayout> layouts_;
 };
 
-void turn_outward(TriangleMesh& mesh) {
-  if (volume_of(mesh) >= 0.0) return;
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  for (auto& normal : mesh.normals) normal = -normal;
-}
-
 /// Longest by shortest half axis of the solid's ellipsoid of inertia.
 double elongation_of(const TriangleMesh& mesh) {
   const Vec3 centre = centroid_of(mesh);

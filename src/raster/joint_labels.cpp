@@ -62,8 +62,9 @@ Disputes disputes_of(const std::vector<MaskPiece>& pieces, const Image<std::uint
 
 Vec3 centre_of(const ImageGrid& grid, std::size_t voxel) {
   const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
-  return grid.world_from_index(Vec3(static_cast<double>(voxel % nx), static_cast<double>(voxel / nx % ny),
-                                    static_cast<double>(voxel / nx / ny)));
+  const std::size_t row = voxel / nx, slice = row / ny;
+  return grid.world_from_index(
+      Vec3(static_cast<double>(voxel % nx), static_cast<double>(row % ny), static_cast<double>(slice)));
 }
 
 }  // namespace

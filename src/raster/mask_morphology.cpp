@@ -5,9 +5,9 @@
 
 namespace pellicle {
 
-using Mask = Image<std::uint8_t>;
-
 namespace {
+
+using Mask = Image<std::uint8_t>;
 
 // Largest (grow) or smallest value within one voxel along one index axis; beyond the border counts as 0.
 void pass(Mask& mask, int axis, bool grow) {

@@ -15,9 +15,9 @@ namespace pellicle {
 
 namespace {
 
-const double kScale = std::cbrt(2.0);            // K
-constexpr std::size_t kMostVoxels = 16'000'000;  // of the field that scales are made of
-constexpr double kSeedShare = 0.9;               // of the scale of a typical object: neighbours part, nucleoli do not
+const double kScale = std::cbrt(2.0);                 // K
+constexpr std::size_t kMostFieldVoxels = 16'000'000;  // of the field that scales are made of
+constexpr double kSeedShare = 0.9;  // of the scale of a typical object: neighbours part, nucleoli do not
 constexpr double kVoxelsPerRadius = 5.0, kVoxelsPerScale = 4.0;
 
 /// Counts of values by bins; made in parallel, added up in order.
@@ -315,7 +315,7 @@ BlobField blob_field(const Image<float>& image, bool dark) {
     for (std::size_t a = 0; a < 3; ++a) count *= std::ceil(static_cast<double>(image.grid.size[a]) / factor[a]);
     return count;
   };
-  while (voxels() > static_cast<double>(kMostVoxels)) {
+  while (voxels() > static_cast<double>(kMostFieldVoxels)) {
     spacing *= 1.25;
     factor = bin_factors(image.grid, spacing);
   }

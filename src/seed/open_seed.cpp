@@ -10,7 +10,7 @@
 namespace pellicle {
 namespace {
 
-constexpr int kSweeps = 6;
+constexpr int kSmoothings = 6;
 
 /// Quads of one mesh, of which some are kept.
 class Part {
@@ -170,7 +170,7 @@ class Part {
 
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
   constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
-  const QuadMesh smooth{smoothed_vertices(closed, kSweeps), closed.quads};
+  const QuadMesh smooth{smoothed_vertices(closed, kSmoothings), closed.quads};
   std::vector<bool> kept;
   kept.reserve(smooth.quads.size());
   for (const Quad& quad : smooth.quads) {

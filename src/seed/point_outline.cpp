@@ -16,7 +16,7 @@ namespace {
 constexpr double kRadii[] = {1.0, 1.25, 1.6, 2.0};  // in gaps
 // Of points strewn at random over a surface the nearest other one is in the median 0.47 of the mean gap away.
 constexpr double kGapOverSpacing = 2.1;
-constexpr double kMostVoxels = 80.0;  // along the longest edge
+constexpr double kMostAlongAnEdge = 80.0;  // along the longest edge
 
 Image<float> grid_around(const std::vector<Vec3>& points, double spacing, double margin) {
   Vec3 low = points.front(), high = low;
@@ -89,7 +89,7 @@ Image<std::uint8_t> mask_of_points(const std::vector<Vec3>& points) {
     high = high.cwiseMax(x);
   }
   const double extent = (high - low).maxCoeff();
-  const double gap = std::max(kGapOverSpacing * point_spacing(tree), 3.0 * extent / kMostVoxels);
+  const double gap = std::max(kGapOverSpacing * point_spacing(tree), 3.0 * extent / kMostAlongAnEdge);
   if (!(gap > 0.0)) throw BadData("points (outline): all in one place; give points around the object");
   const double spacing = gap / 3.0;
   Image<float> distance = grid_around(points, spacing, (kRadii[3] + 1.0) * gap);

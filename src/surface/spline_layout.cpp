@@ -16,7 +16,7 @@
 namespace pellicle {
 namespace {
 
-constexpr int kHighestLevel = 7;
+constexpr int kHighestDensity = 7;
 
 struct Place {
   double knots_u = 0.0, knots_v = 0.0;
@@ -199,8 +199,8 @@ int SplineModel::base_facets() const {
 }
 
 SampleLayout SplineModel::layout(int level) const {
-  if (level < 0 || level > kHighestLevel) {
-    throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestLevel));
+  if (level < 0 || level > kHighestDensity) {
+    throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestDensity));
   }
   return lay_out(*this, level,
                  settings_.topology == SplineTopology::sphere ? on_sphere(settings_, level) : on_grid(*this, level));
@@ -208,8 +208,8 @@ SampleLayout SplineModel::layout(int level) const {
 
 SampleLayout SplineModel::knot_layout(int level) const {
   if (settings_.topology != SplineTopology::sphere) return layout(level);
-  if (level < 0 || level > kHighestLevel) {
-    throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestLevel));
+  if (level < 0 || level > kHighestDensity) {
+    throw UsageError(fmt::format("surface density ({}): must be a level from 0 to {}", level, kHighestDensity));
   }
   return lay_out(*this, level, on_meridians(*this, level));
 }

@@ -82,7 +82,7 @@ Parameters reference_of(const SplineSettings& s, const SplineAxis& u, const Spli
   return result;
 }
 
-Vec3 block_of(const Parameters& parameters, int block) {
+Vec3 block_at(const Parameters& parameters, int block) {
   return Vec3(parameters.data() + 3 * static_cast<std::ptrdiff_t>(block));
 }
 
@@ -154,7 +154,7 @@ std::vector<Vec3> SplineModel::control_grid(const Parameters& parameters) const 
   for (int row_v = 0; row_v < along_v_.rows(); ++row_v) {
     for (int row_u = 0; row_u < along_u_.rows(); ++row_u) {
       Vec3 c = Vec3::Zero();
-      for (const auto& [block, weight] : control(row_u, row_v)) c += weight * block_of(parameters, block);
+      for (const auto& [block, weight] : control(row_u, row_v)) c += weight * block_at(parameters, block);
       grid.push_back(c);
     }
   }
@@ -178,7 +178,7 @@ SplinePoint SplineModel::at(const Parameters& parameters, double u, double v) co
   for (int b = 0; b < 4; ++b) {
     for (int a = 0; a < 4; ++a) {
       for (const auto& [block, weight] : control(wu.row[a], wv.row[b])) {
-        const Vec3 c = weight * block_of(parameters, block);
+        const Vec3 c = weight * block_at(parameters, block);
         result.x += wu.value[a] * wv.value[b] * c;
         result.x_u += wu.slope[a] * wv.value[b] * c;
         result.x_v += wu.value[a] * wv.slope[b] * c;
@@ -194,7 +194,7 @@ TriangleMesh SplineModel::control_mesh(const Parameters& parameters) const {
   const auto [topology, m1, m2, generator, ratio] = settings_;
   const bool sphere = topology == SplineTopology::sphere, around = along_u_.closed(), round = along_v_.closed();
   const int columns = around ? m1 : m1 + 1, first = sphere ? 1 : 0, last = sphere || round ? m2 - 1 : m2;
-  if (sphere) mesh.vertices = {block_of(parameters, 0), block_of(parameters, 1)};
+  if (sphere) mesh.vertices = {block_at(parameters, 0), block_at(parameters, 1)};
   const int offset = sphere ? 2 : 0;
   for (int l = first; l <= last; ++l) {
     for (int k = 0; k < columns; ++k)

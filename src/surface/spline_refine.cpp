@@ -15,10 +15,10 @@ int next_size(int m) {
   return 2 * ((3 * m + 3) / 4);
 }
 
-using Row = Eigen::RowVectorXd;
+using GridRow = Eigen::RowVectorXd;
 
-Row row_of(const SplineAxis& axis, const AxisWeights& at, const std::array<double, 4>& weights) {
-  Row row = Row::Zero(axis.rows());
+GridRow row_of(const SplineAxis& axis, const AxisWeights& at, const std::array<double, 4>& weights) {
+  GridRow row = GridRow::Zero(axis.rows());
   for (int a = 0; a < 4; ++a) row[at.row[a]] += weights[a];
   return row;
 }

@@ -13,7 +13,7 @@ namespace pellicle {
 namespace {
 
 using test::Samples;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoEdge = std::numeric_limits<float>::quiet_NaN();
 
 // Row i holds f(i, s), s in mm.
 Profiles profiles_of(std::size_t n, double reach, double step, const std::function<double(std::size_t, double)>& f) {
@@ -118,7 +118,7 @@ TEST(Edge, knows_its_sign_and_leaves_out_what_it_cannot_see) {
   const std::size_t n = graph.start.size() - 1;
   // Samples 0..15 (the first patch's) hit the end of the image, the rest are plain.
   const Profiles p = profiles_of(n, 4.0, 0.25, [&](std::size_t i, double s) {
-    return i < 16 && s > 1.0 ? kNaN : erf_edge(s, 0.2, 0.6, 100.0, 20.0);
+    return i < 16 && s > 1.0 ? kNoEdge : erf_edge(s, 0.2, 0.6, 100.0, 20.0);
   });
   const EdgeMeasurement bright = measure_edge(p, graph, {.h = 1.0, .sign = 1});
   EXPECT_NEAR(bright.median_contrast, 80.0, 1.0);

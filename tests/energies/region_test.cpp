@@ -12,7 +12,7 @@
 namespace pellicle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 Profiles profiles_of(std::size_t n, double inside, double outside, double step,
                      const std::function<double(std::size_t, double)>& f) {
@@ -73,9 +73,9 @@ TEST(RegionTargets, thin_gaps_are_crossed_only_when_more_object_lies_beyond) {
 
 TEST(RegionTargets, end_where_the_image_ends) {
   const auto cut = [](std::size_t i, double s) {
-    if (i == 0) return s > 2.2 ? kNaN : 100.0;         // object runs into the border
-    if (i == 1) return kNaN;                           // sample outside the image
-    return s < -3.2 ? kNaN : s < -1.0 ? 100.0 : 20.0;  // border behind
+    if (i == 0) return s > 2.2 ? kNoValue : 100.0;         // object runs into the border
+    if (i == 1) return kNoValue;                           // sample outside the image
+    return s < -3.2 ? kNoValue : s < -1.0 ? 100.0 : 20.0;  // border behind
   };
   const NormalTargets t = region_targets(profiles_of(3, 10, 10, 0.5, cut), {100.0, 20.0, {}, {}}, 8.0);
   EXPECT_NEAR(t.offset[0], 2.0, 1e-9);
@@ -145,7 +145,7 @@ TEST(UpdateLevels, refuse_lost_or_turned_contrast_and_leave_the_levels_alone) {
 
 TEST(UpdateLevels, refuse_when_nothing_can_be_seen) {
   LevelCase c;
-  const Profiles p = profiles_of(c.n, 10, 10, 0.5, [](std::size_t, double) { return kNaN; });
+  const Profiles p = profiles_of(c.n, 10, 10, 0.5, [](std::size_t, double) { return kNoValue; });
   Levels levels{90.0, 30.0, {}, {}};
   EXPECT_FALSE(update_levels(p, c.targets, c.graph, 1.0, true, 60.0, levels));
   EXPECT_EQ(levels.inside, 90.0);
@@ -154,7 +154,7 @@ TEST(UpdateLevels, refuse_when_nothing_can_be_seen) {
 TEST(UpdateLevels, local_levels_keep_contrast_where_an_edge_is_missing) {
   LevelCase c;
   const Profiles p = profiles_of(c.n, 10, 10, 0.5, [](std::size_t i, double s) {
-    return i < 20 ? 90.0 : i == 20 ? kNaN : ramp(s, 0.5, 1.0, 90, 30);
+    return i < 20 ? 90.0 : i == 20 ? kNoValue : ramp(s, 0.5, 1.0, 90, 30);
   });
   Levels levels{90.0, 30.0, {}, {}};
   ASSERT_TRUE(update_levels(p, c.targets, c.graph, 1.0, true, 60.0, levels));
@@ -189,8 +189,8 @@ TEST(Crossing, is_capped_and_silent_outside_the_image) {
   const SampleGraph graph(test::sphere_samples(2, 1.0).layout);
   const std::size_t n = graph.start.size() - 1;
   const Profiles p = profiles_of(n, 12, 5, 0.5, [](std::size_t i, double s) {
-    if (i == 0) return kNaN;
-    if (i == 1) return s > 1.2 ? kNaN : 100.0;
+    if (i == 0) return kNoValue;
+    if (i == 1) return s > 1.2 ? kNoValue : 100.0;
     return i % 2 == 0 ? 100.0 : ramp(s, -9.0, 1.0, 100, 10);
   });
   const NormalTargets t = crossing_targets(p, graph, kTissue, {});
@@ -224,10 +224,10 @@ TEST(Targets, unchanged_when_image_and_surface_move_together) {
 }
 
 TEST(Statistics, medians_and_spread_ignore_what_is_missing) {
-  EXPECT_EQ(median_of({3.0, kNaN, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median_of({3.0, kNoValue, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median_of({4.0, 1.0, 2.0, 3.0}), 2.5);
   EXPECT_TRUE(std::isnan(median_of({})));
-  EXPECT_TRUE(std::isnan(median_of({kNaN})));
+  EXPECT_TRUE(std::isnan(median_of({kNoValue})));
   EXPECT_EQ(quantile_of({0.0, 10.0, 20.0, 30.0, 40.0}, 0.0), 0.0);
   EXPECT_EQ(quantile_of({40.0, 0.0, 10.0, 30.0, 20.0}, 1.0), 40.0);
   EXPECT_EQ(quantile_of({40.0, 0.0, 10.0, 30.0, 20.0}, 0.3), 12.0);
@@ -235,7 +235,7 @@ TEST(Statistics, medians_and_spread_ignore_what_is_missing) {
   std::vector<double> values(20001);
   for (double& v : values) v = 5.0 + 3.0 * random.normal();
   EXPECT_NEAR(robust_deviation(values), 3.0, 0.1);
-  const Profiles p = profiles_of(1, 4, 4, 0.5, [](std::size_t, double s) { return s > 2.2 ? kNaN : s; });
+  const Profiles p = profiles_of(1, 4, 4, 0.5, [](std::size_t, double s) { return s > 2.2 ? kNoValue : s; });
   EXPECT_NEAR(band_median(p, 0, -3.0, -1.0), -2.0, 1e-6);
   EXPECT_NEAR(band_median(p, 0, 1.0, 4.0), 1.5, 1e-6);
   EXPECT_TRUE(std::isnan(band_median(p, 0, 3.0, 4.0)));

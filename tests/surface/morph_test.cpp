@@ -64,7 +64,7 @@ struct NamedModel {
   SurfaceModel model;
 };
 
-std::vector<NamedModel> every_model() {
+std::vector<NamedModel> every_kind() {
   return {{"normal", NormalModel::start(StartSolid::icosahedron, SubdivisionRule::smooth)},
           {"spline", shapes::spline_sphere(6, 4)},
           {"torus", SplineModel({.topology = SplineTopology::torus, .m1 = 6, .m2 = 4})},
@@ -99,7 +99,7 @@ struct MorphCase {
 
 std::vector<MorphCase> every_case() {
   std::vector<MorphCase> cases;
-  for (const NamedModel& model : every_model()) {
+  for (const NamedModel& model : every_kind()) {
     for (const MorphSpace space : {MorphSpace::plane, MorphSpace::sphere}) cases.push_back({model, space});
   }
   return cases;
@@ -176,7 +176,7 @@ TEST(HilbertPlane, PathIsLinearInTheControlPointsAlsoBeyondItsEnds) {
 }
 
 class HilbertSphereOf : public testing::TestWithParam<NamedModel> {};
-INSTANTIATE_TEST_SUITE_P(Models, HilbertSphereOf, testing::ValuesIn(every_model()),
+INSTANTIATE_TEST_SUITE_P(Models, HilbertSphereOf, testing::ValuesIn(every_kind()),
                          [](const auto& test) { return test.param.name; });
 
 TEST_P(HilbertSphereOf, PlaceIsLinearSizeGeometricAndTheNormalisedShapeOfNormOne) {

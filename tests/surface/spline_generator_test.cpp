@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "spline_cases.h"
 
 namespace pellicle {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::vector<Generator> generators() {
   std::vector<Generator> result{{SplineGenerator::keys, 0}};

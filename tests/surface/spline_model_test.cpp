@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/surface/surface.h"
 #include "spline_cases.h"
@@ -17,8 +18,6 @@ using shapes::all_splines;
 using shapes::block;
 using shapes::perturbed;
 using shapes::spline_sphere;
-
-constexpr double kPi = std::numbers::pi;
 
 SurfaceSamples samples_of(const SplineModel& model, const Parameters& parameters, const SampleLayout& layout,
                           bool with_jacobian = false) {

@@ -4,14 +4,13 @@
 
 #include <numbers>
 
+#include "pellicle/base/constants.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/surface/surface.h"
 #include "spline_cases.h"
 
 namespace pellicle {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::vector<SplineModel> closed_splines() {
   std::vector<SplineModel> result = shapes::all_splines();

@@ -39,7 +39,7 @@ std::vector<ModelChoice> every_model() {
           {.kind = ModelKind::slime}};
 }
 
-Mat3 skewed() {
+Mat3 skewed_map() {
   Mat3 A;
   A << 2, 0.3, -0.4, 0.1, 1.2, 0.5, -0.2, 0.3, 0.7;
   return A;
@@ -48,7 +48,7 @@ Mat3 skewed() {
 TEST(EveryModel, MovesAsOneBody) {
   for (const ModelChoice& choice : every_model()) {
     SurfaceModel model = start_model(choice);
-    Parameters parameters = affine_image(model, Vec3(1, 2, 3), skewed());
+    Parameters parameters = affine_image(model, Vec3(1, 2, 3), skewed_map());
     const SampleLayout layout = layout_of(model, 2);
     std::vector<double> gradient(parameters.size(), 0.0);
     pull_back(model, parameters, layout, std::vector<Vec3>(layout.patch_of.size(), Vec3(1, 0, 0)), gradient);
@@ -95,7 +95,7 @@ TEST(EveryModel, LevelsShareTheirSamples) {
 TEST(EveryModel, CountsItsRefinements) {
   for (const ModelChoice& choice : every_model()) {
     Surface surface{start_model(choice), {}};
-    surface.parameters = affine_image(surface.model, Vec3(1, 2, 3), skewed());
+    surface.parameters = affine_image(surface.model, Vec3(1, 2, 3), skewed_map());
     for (int times = 0; times <= 3; ++times) {
       EXPECT_EQ(refinements_of(surface.model), times) << model_name(surface.model);
       const int before = control_point_count(surface.model);
@@ -122,11 +122,11 @@ TEST(OnEllipsoid, SphereModelsAreThatEllipsoid) {
   for (const ModelKind kind : {ModelKind::normal, ModelKind::spline}) {
     const SurfaceModel model = start_model({.kind = kind, .solid = StartSolid::icosahedron});
     const Vec3 centre(1, 2, 3);
-    const Surface surface{model, on_ellipsoid(model, centre, skewed())};
+    const Surface surface{model, on_ellipsoid(model, centre, skewed_map())};
     // normal subdivision follows spheres, not affine maps: its control points lie there, its samples nearly
     const std::vector<Vec3> on =
         (kind == ModelKind::normal ? control_mesh_of(surface) : tessellate(surface, 2)).vertices;
-    for (const Vec3& x : on) EXPECT_NEAR((skewed().inverse() * (x - centre)).norm(), 1.0, 1e-12);
+    for (const Vec3& x : on) EXPECT_NEAR((skewed_map().inverse() * (x - centre)).norm(), 1.0, 1e-12);
   }
 }
 
@@ -150,7 +150,7 @@ TEST(OnEllipsoid, SplinePolesLieOnTheLongestAxis) {
 
 TEST(OnEllipsoid, TorusHasTheSameMoments) {
   const SurfaceModel model = start_model({.kind = ModelKind::spline_torus});
-  const Mat3 shape = skewed();
+  const Mat3 shape = skewed_map();
   const TriangleMesh mesh = tessellate({model, on_ellipsoid(model, Vec3(1, 2, 3), shape)}, 5);
   double volume = 0;
   Mat3 second = Mat3::Zero();
