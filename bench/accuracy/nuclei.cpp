@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "otsu_baseline.h"
@@ -165,10 +166,13 @@ Labels as_labels(const auto& voxels) {
   return Labels(voxels.begin(), voxels.end());
 }
 
-void print_row(const std::string& name, const Scores& ours, const Scores& baseline, double seconds, double megabytes) {
-  fmt::print("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} ({}) | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} | {:.0f} |\n",
-             name, ours.truth, ours.found, ours.f1, ours.dice, ours.f1_visible, ours.visible, baseline.found,
-             baseline.f1, baseline.dice, baseline.f1_visible, seconds, megabytes);
+void print_row(const std::string& name, const Scores& ours, const std::optional<Scores>& threshold, double seconds,
+               double megabytes) {
+  const std::string beside = threshold ? fmt::format("{} | {:.3f} | {:.3f} | {:.3f}", threshold->found, threshold->f1,
+                                                     threshold->dice, threshold->f1_visible)
+                                       : "not run | | |";
+  fmt::print("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} ({}) | {} | {:.1f} | {:.0f} |\n", name, ours.truth, ours.found,
+             ours.f1, ours.dice, ours.f1_visible, ours.visible, beside, seconds, megabytes);
   std::fflush(stdout);
 }
 
@@ -188,7 +192,7 @@ void run_case(const Options& options, const std::string& name, const std::filesy
   }
   const auto report = nlohmann::json::parse(std::ifstream(out / "n_report.json"));
   const LabelVolume result = read_labels(out / "n_dseg.nii.gz");
-  Scores without;
+  std::optional<Scores> without;
   if (baseline) {
     ReadOptions read;
     if (!spacing.empty()) read.spacing = Vec3(spacing[0], spacing[1], spacing[2]);
