@@ -14,7 +14,7 @@ namespace pellicle::cli {
 
 namespace {
 
-struct Flags {
+struct BatchFlags {
   std::vector<std::string> sources;  ///< one table, or patterns
   std::vector<std::vector<std::string>> typed;
   std::string config, shard = "1/1";
@@ -39,7 +39,7 @@ std::vector<BatchCase> cases_from(const std::vector<std::string>& sources) {
   return cases_of_patterns(sources);
 }
 
-FlagValues common_values(const Flags& flags) {
+FlagValues common_values(const BatchFlags& flags) {
   FlagValues common;
   const auto& keys = segment_keys();
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -54,7 +54,7 @@ FlagValues common_values(const Flags& flags) {
   return common;
 }
 
-int run_batch_command(Flags& flags, Console& console) {
+int run_batch_command(BatchFlags& flags, Console& console) {
   console.configure(*flags.console);
   BatchSettings settings = flags.batch;
   settings.program = this_program();
@@ -83,7 +83,7 @@ int run_batch_command(Flags& flags, Console& console) {
 }  // namespace
 
 Run add_batch(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<BatchFlags>();
   app.add_option("MANIFEST", flags->sources,
                  "table (.csv, .tsv): a column a flag of 'segment', a row a case; or volumes, also as a pattern: "
                  "'scans/*.nii.gz'")
