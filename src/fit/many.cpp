@@ -12,32 +12,18 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/body.h"
 #include "pellicle/fit/many_evidence.h"
-#include "pellicle/fit/stage.h"
+#include "pellicle/fit/many_piece.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/seed/territories.h"
 
 namespace pellicle {
 
 namespace {
 
-constexpr double kCap = 2.2;  // furthest from the centroid, in typical radii
 constexpr double kFittedByScale =
-    1.15;                            // radius of fitted surfaces over that of the scale space, on phantoms and stacks
-constexpr double kSmoothing = 0.08;  // of the image forces, in typical radii
-
-/// The start of one fit.
-struct Start {
-  std::size_t source = 0;  ///< number of the seed
-  Vec3 position{0, 0, 0};  ///< whose territory it is, LPS mm
-  double response = 0.0;
-  std::optional<double> radius = {};    ///< mm, as the user said
-  std::optional<Surface> surface = {};  ///< already near
-  double around(double typical) const { return kCap * typical; }
-};
-
+    1.15;  // radius of fitted surfaces over that of the scale space, on phantoms and stacks
 /// One object on its way.
 struct Candidate {
-  Start start = {};
+  ManyStart start = {};
   FitState state;
   std::vector<StageSummary> stages = {};
   BodyEvidence evidence = {};
@@ -47,115 +33,7 @@ struct Candidate {
   bool kept = true;
 };
 
-struct Scene {
-  const Image<float>& image;  ///< smoothed for the image forces
-  const ManySettings& settings;
-  const BlobField& field;
-  double radius;  ///< typical, mm
-  Image<std::int32_t> territories;
-  SurfaceModel model;
-  int detail;
-  std::vector<Stage> stages;
-};
-
-/// Which intensities a fit sees.
-enum class Domain { stable, linear };
-
-std::pair<SurfaceModel, int> model_of_many(const FitSettings& settings) {
-  SurfaceModel model = start_model(settings.model);
-  Surface surface{model, affine_image(model, Vec3::Zero(), Mat3::Identity())};
-  int detail = 0;
-  // About 26 control points: enough for the shape of a nucleus, few enough for thousands of them.
-  const auto enough = [&] {
-    return settings.detail ? detail >= *settings.detail : control_point_count(surface.model) >= 20;
-  };
-  while (!enough()) {
-    surface = refine(surface);
-    ++detail;
-  }
-  return {surface.model, detail};
-}
-
-/// Voxels of the territories' grid about a place.
-IndexBox box_about(const ImageGrid& grid, const Vec3& x, double reach) {
-  return box_around(grid, x - Vec3::Constant(reach), x + Vec3::Constant(reach), 0.0);
-}
-
-/// One object's territory: 1 inside, 0 elsewhere, and the box of what lies near the seed.
-struct Territory {
-  Image<float> own;
-  Vec3 low{0, 0, 0}, high{0, 0, 0};
-  Vec3 centre{0, 0, 0};  ///< centroid of what lies within 0.8 typical radii of the seed
-  double radius = 0.0;   ///< of the ball of that volume
-};
-
-Territory territory_of(const Scene& scene, std::size_t object, const Start& start) {
-  const Image<std::int32_t>& all = scene.territories;
-  const double reach = start.around(scene.radius), near = 0.8 * scene.radius;
-  const IndexBox box = box_about(all.grid, start.position, reach + 2.0 * all.grid.spacing.maxCoeff());
-  Territory t;
-  t.own.grid = all.grid;
-  t.own.grid.size = box.size;
-  t.own.grid.origin_in_world = all.grid.world_from_index(Vec3(box.begin[0], box.begin[1], box.begin[2]));
-  t.own.voxels.resize(t.own.grid.voxel_count(), 0.0F);
-  t.low = t.high = t.centre = start.position;
-  const auto label = static_cast<std::int32_t>(object) + 1;
-  Vec3 sum = Vec3::Zero();
-  std::size_t count = 0;
-  for (int k = 0; k < box.size[2]; ++k) {
-    for (int j = 0; j < box.size[1]; ++j) {
-      for (int i = 0; i < box.size[0]; ++i) {
-        if (all.at(box.begin[0] + i, box.begin[1] + j, box.begin[2] + k) != label) continue;
-        t.own.at(i, j, k) = 1.0F;
-        const Vec3 x = t.own.grid.world_from_index(Vec3(i, j, k));
-        const double apart = (x - start.position).norm();
-        if (apart > reach) continue;
-        t.low = t.low.cwiseMin(x);
-        t.high = t.high.cwiseMax(x);
-        if (apart > near) continue;
-        sum += x;
-        ++count;
-      }
-    }
-  }
-  if (count > 0) t.centre = sum / static_cast<double>(count);
-  t.radius = std::cbrt(3.0 * static_cast<double>(count) * all.grid.voxel_volume() / (4.0 * std::numbers::pi));
-  return t;
-}
-
-/// The piece of the image that one fit sees.
-Image<float> piece_of(const Scene& scene, const Territory& territory, Domain domain) {
-  const IndexBox box = box_around(scene.image.grid, territory.low, territory.high, 0.3 * scene.radius);
-  Image<float> piece = crop_and_bin(scene.image, box, {1, 1, 1});
-  const StableIntensity& intensity = scene.field.intensity;
-  for (float& v : piece.voxels) v = domain == Domain::stable ? intensity(v) : intensity.linear(v);
-  return piece;
-}
-
-/// As fits see it: voxels of a 16th of the radius at least, smoothed. Once for all, since pieces overlap.
-Image<float> prepared(Image<float> image, const FitSettings& settings, double radius) {
-  const Index3 factor = bin_factors(image.grid, radius / 16.0);
-  if (!(factor == Index3{1, 1, 1})) image = crop_and_bin(image, {{0, 0, 0}, image.grid.size}, factor);
-  return gaussian_smooth(std::move(image), settings.smoothing_mm.value_or(kSmoothing * radius));
-}
-
-FitState start_of(const Scene& scene, const Start& start, const Territory& territory) {
-  FitState state{.surface = {scene.model, {}}, .detail = scene.detail};
-  if (start.surface) {
-    state.surface = *start.surface;
-    state.detail = refinements_of(start.surface->model);
-  } else if (start.radius) {
-    const double r = std::clamp(*start.radius, 0.4 * scene.radius, 1.2 * scene.radius);
-    state.surface.parameters = affine_image(scene.model, start.position, r * Mat3::Identity());
-  } else {
-    const double r = std::clamp(territory.radius, 0.4 * scene.radius, 0.8 * scene.radius);
-    state.surface.parameters = affine_image(scene.model, territory.centre, r * Mat3::Identity());
-  }
-  state.reading.name = "one of many";
-  return state;
-}
-
-void judge(const Scene& scene, GeometryCache& cache, const Image<float>& piece, const Territory& territory,
+void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& piece, const Territory& territory,
            Domain domain, Candidate& c) {
   const StageGeometry& geometry = cache.get(c.state.surface.model, 2);
   SurfaceSamples samples;
@@ -186,7 +64,7 @@ void judge(const Scene& scene, GeometryCache& cache, const Image<float>& piece, 
 }
 
 /// Fits every candidate that is still kept, from its own start.
-void fit_all(const Scene& scene, GeometryCache& cache, Domain domain, const std::vector<double>* typical,
+void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const std::vector<double>* typical,
              std::vector<Candidate>& candidates, const std::function<void(double)>& tell) {
   FitSettings settings = scene.settings.fit;
   settings.smoothing_mm.reset();  // the piece is smoothed already
@@ -285,7 +163,7 @@ double median_variation(const std::vector<Candidate>& candidates) {
   return values.empty() ? 1.0 : median_of(values);
 }
 
-ManyObject object_of(const Scene& scene, std::size_t source, const Candidate& c) {
+ManyObject object_of(const ManyScene& scene, std::size_t source, const Candidate& c) {
   ManyObject object{source, c.state.surface, {}, c.evidence};
   FitSummary& s = object.summary;
   s.status = c.state.status;
@@ -311,7 +189,7 @@ std::function<void(double)> part_of(const Progress& progress, double from, doubl
 }
 
 /// Fits in the stabilised image and judges them; then in the image itself. `found`: they were not asked for one by one.
-ManyResult run(const Scene& scene, GeometryCache& cache, std::vector<Candidate> candidates, bool found,
+ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candidate> candidates, bool found,
                const Progress& progress) {
   ManyResult result;
   result.dark = scene.field.intensity.dark;
@@ -359,56 +237,8 @@ ManyResult run(const Scene& scene, GeometryCache& cache, std::vector<Candidate> 
   return result;
 }
 
-double typical_given(const std::vector<Seed>& seeds) {
-  std::vector<double> radii;
-  radii.reserve(seeds.size());
-  for (const Seed& seed : seeds) {
-    const auto* ball = std::get_if<SeedSphere>(&seed);
-    if (ball != nullptr) {
-      radii.push_back(ball->radius);
-    } else {
-      const TriangleMesh mesh = tessellate(std::get<Surface>(seed), 2);
-      radii.push_back(std::cbrt(3.0 * std::abs(volume_with_normals(mesh)) / (4.0 * std::numbers::pi)));
-    }
-  }
-  return median_of(std::move(radii));
-}
-
-Vec3 middle_of(const Seed& seed) {
-  const auto* ball = std::get_if<SeedSphere>(&seed);
-  if (ball != nullptr) return ball->center;
-  Vec3 sum = Vec3::Zero();
-  const TriangleMesh mesh = tessellate(std::get<Surface>(seed), 2);
-  for (const Vec3& v : mesh.vertices) sum += v;
-  return sum / static_cast<double>(mesh.vertices.size());
-}
-
-/// Balls that are not in the object of an earlier one: half a radius from it, or a radius without a valley between.
-std::vector<bool> without_repeats(const std::vector<Seed>& seeds, const Image<float>& response, double radius) {
-  const TrilinearField field(response);
-  std::vector<Vec3> accepted;
-  std::vector<bool> own;
-  own.reserve(seeds.size());
-  accepted.reserve(seeds.size());
-  for (const Seed& seed : seeds) {
-    const Vec3 x = middle_of(seed);
-    const bool repeats = std::any_of(accepted.begin(), accepted.end(), [&](const Vec3& other) {
-      const double apart = (x - other).norm();
-      if (apart >= radius) return false;
-      if (apart < 0.5 * radius) return true;
-      std::array<float, 17> line{};
-      field.along_line(x, (other - x) / 16.0, 17, line.data());
-      const float lowest = *std::min_element(line.begin(), line.end());
-      return static_cast<double>(lowest) >= 0.9 * static_cast<double>(std::min(line.front(), line.back()));
-    });
-    own.push_back(!repeats);
-    if (!repeats) accepted.push_back(x);
-  }
-  return own;
-}
-
-Scene scene_of(const Image<float>& image, const ManySettings& settings, const BlobField& field, double radius,
-               const std::vector<Candidate>& candidates) {
+ManyScene scene_of(const Image<float>& image, const ManySettings& settings, const BlobField& field, double radius,
+                   const std::vector<Candidate>& candidates) {
   std::vector<Vec3> positions;
   positions.reserve(candidates.size());
   for (const Candidate& c : candidates) positions.push_back(c.start.position);
@@ -450,7 +280,7 @@ ManyResult fit_many(Image<float> image, const ManySettings& settings, const Prog
   nothing.dark = field.intensity.dark;
   if (!estimate) return nothing;
   double radius = *estimate;
-  image = prepared(std::move(image), settings.fit, radius);
+  image = smoothed_for_many(std::move(image), settings.fit, radius);
   GeometryCache cache;
   for (bool again = !settings.radius;; again = false) {
     std::vector<Candidate> candidates;
@@ -461,7 +291,7 @@ ManyResult fit_many(Image<float> image, const ManySettings& settings, const Prog
     }
     if (candidates.empty()) return nothing;
     if (progress) progress(0.1, "territories");
-    const Scene scene = scene_of(image, settings, field, radius, candidates);
+    const ManyScene scene = scene_of(image, settings, field, radius, candidates);
     fit_all(scene, cache, Domain::stable, nullptr, candidates, part_of(progress, 0.15, 0.55));
     // The objects themselves say best how large they are. Once, and not far from what the scales say.
     const double fitted = typical_body(evidences(candidates)).radius / kFittedByScale;
@@ -484,7 +314,7 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
   const bool balls = std::holds_alternative<SeedSphere>(seeds.front());
   const RadiusRange range = settings.radius.value_or(RadiusRange{0.5 * given, 2.0 * given});
   const double radius = balls ? estimate_radius(field, range).value_or(given) : given;
-  image = prepared(std::move(image), settings.fit, radius);
+  image = smoothed_for_many(std::move(image), settings.fit, radius);
   std::vector<Candidate> candidates;
   const std::vector<bool> own =
       balls ? without_repeats(seeds, blob_response(field, radius, 0.9), radius) : std::vector<bool>(seeds.size(), true);
@@ -500,7 +330,7 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
     }
     candidates.push_back(std::move(c));
   }
-  const Scene scene = scene_of(image, settings, field, radius, candidates);
+  const ManyScene scene = scene_of(image, settings, field, radius, candidates);
   GeometryCache cache;
   fit_all(scene, cache, Domain::stable, nullptr, candidates, part_of(progress, 0.15, 0.55));
   const std::size_t repeats = seeds.size() - candidates.size();

@@ -19,6 +19,7 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/scalars.h"
+#include "pellicle/mesh/point_tree.h"
 
 namespace pellicle {
 
@@ -27,15 +28,12 @@ StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layo
   const SampleLayout coarser = layout_of(model, std::min(level, 2));
   // A sample of the coarser level is the one of this level at the same place on the reference shape.
   double apart = 0.0, size = 0.0;
+  const PointTree places(layout.reference);
   for (const Vec3& place : coarser.reference) {
-    std::size_t nearest = 0;
-    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
-      const double d = (layout.reference[i] - place).squaredNorm();
-      if (d < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
-    }
-    apart = std::max(apart, (layout.reference[nearest] - place).norm());
+    const PointTree::Neighbour nearest = places.nearest(place, 1).front();
+    apart = std::max(apart, nearest.distance);
     size = std::max(size, place.norm());
-    coarse.push_back(static_cast<int>(nearest));
+    coarse.push_back(nearest.point);
   }
   if (apart > 1e-9 * size) {  // a model whose levels do not share their samples
     bending = bending_rows(layout);
@@ -47,8 +45,11 @@ StageGeometry::StageGeometry(const SurfaceModel& model, int level) : layout(layo
 }
 
 const StageGeometry& GeometryCache::get(const SurfaceModel& model, int level) {
+  Parameters reference = std::visit([](const auto& m) { return m.reference(); }, model);
+  const Parameters somewhere = reference.empty() ? Parameters(3 * blocks_of(model).size()) : reference;
+  std::vector<std::array<int, 3>> facets = control_mesh_of({model, somewhere}).triangles;
+  const Key key{model.index(), level, std::move(facets), std::move(reference)};
   const std::scoped_lock lock(mutex_);
-  const std::tuple key{control_point_count(model), base_facets(model), level};
   auto at = cache_.find(key);
   if (at == cache_.end()) at = cache_.try_emplace(key, model, level).first;
   return at->second;

@@ -1,10 +1,12 @@
 #pragma once
 /// Running one stage of a fit.
 
+#include <array>
+#include <compare>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <tuple>
+#include <vector>
 
 #include "pellicle/energies/geometry.h"
 #include "pellicle/fit/fit.h"
@@ -24,14 +26,21 @@ struct StageGeometry {
   StageGeometry(const SurfaceModel& model, int level);
 };
 
-/// Geometries by number of control points, of control facets, and level. One model kind a cache. Threads may share it.
+/// Geometries by control mesh, reference shape and level. One subdivision rule a cache. Threads may share it.
 class GeometryCache {
  public:
   const StageGeometry& get(const SurfaceModel& model, int level);
 
  private:
+  struct Key {
+    std::size_t kind;  ///< alternative of SurfaceModel
+    int level;
+    std::vector<std::array<int, 3>> control_facets;
+    Parameters reference;
+    auto operator<=>(const Key&) const = default;
+  };
   std::mutex mutex_;
-  std::map<std::tuple<int, int, int>, StageGeometry> cache_;
+  std::map<Key, StageGeometry> cache_;
 };
 
 /// Where the image may draw a surface that expert points outline: further off than this it has no say.

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "fit_cases.h"
+#include "pellicle/base/random.h"
+#include "pellicle/fit/stage.h"
 
 namespace pellicle {
 namespace {
@@ -42,6 +46,33 @@ TEST_P(HandledMask, StartsFromItsVoxelsAndKeepsTheHandle) {
   EXPECT_EQ(t.genus, 1);
   EXPECT_GE(dice(start, phantom.truth), 0.95);
   EXPECT_LE(assd(start, phantom.truth_surface), 0.4);
+}
+
+TEST(GeometryCache, TellsControlMeshesOfEqualCountsApart) {
+  const CatmullClarkModel cube = CatmullClarkModel::start();
+  // The same cube with two corners' numbers exchanged, and with a longer reference.
+  std::vector<Quad> quads = cube.topology().quads;
+  for (Quad& quad : quads) {
+    for (int& v : quad) v = v == 0 ? 1 : v == 1 ? 0 : v;
+  }
+  QuadReference renumbered = cube.reference_shape(), longer{cube.reference(), false};
+  std::swap_ranges(renumbered.points.begin(), renumbered.points.begin() + 3, renumbered.points.begin() + 3);
+  for (std::size_t i = 2; i < longer.points.size(); i += 3) longer.points[i] *= 3.0;
+  const SurfaceModel models[] = {cube, CatmullClarkModel(8, quads, renumbered),
+                                 CatmullClarkModel(8, cube.topology().quads, longer)};
+  GeometryCache cache;
+  RandomEngine random(4);
+  Parameters parameters(24);
+  for (double& p : parameters) p = random.uniform(-1.0, 1.0);
+  for (const SurfaceModel& model : models) {
+    const SampleLayout& kept = cache.get(model, 2).layout;
+    const SampleLayout own = layout_of(model, 2);
+    SurfaceSamples by_cache, by_model;
+    evaluate(model, parameters, kept, false, by_cache);
+    evaluate(model, parameters, own, false, by_model);
+    EXPECT_EQ(by_cache.x, by_model.x);
+    EXPECT_EQ(kept.reference, own.reference);
+  }
 }
 
 }  // namespace
