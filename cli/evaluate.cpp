@@ -16,7 +16,7 @@ namespace pellicle::cli {
 
 namespace {
 
-struct Flags {
+struct EvaluateFlags {
   std::string truth, result;
   double tolerance_mm = 1.0;
   bool multi = false, overwrite = false;
@@ -25,7 +25,7 @@ struct Flags {
   ConsoleOptions* console = nullptr;
 };
 
-int run_evaluate(const Flags& flags, Console& console) {
+int run_evaluate(const EvaluateFlags& flags, Console& console) {
   console.configure(*flags.console);
   if (!(flags.tolerance_mm >= 0.0) || !std::isfinite(flags.tolerance_mm)) {
     throw UsageError(fmt::format("bad value (--tolerance-mm {}): must be 0 mm or more", flags.tolerance_mm));
@@ -45,7 +45,7 @@ int run_evaluate(const Flags& flags, Console& console) {
 }  // namespace
 
 Run add_evaluate(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<EvaluateFlags>();
   app.add_option("TRUTH", flags->truth, "mask, label map, mesh, model or phantom JSON")->required();
   app.add_option("RESULT", flags->result, "the same kinds; they mix freely")->required();
   app.add_option("--tolerance-mm", flags->tolerance_mm, "of the normalised surface Dice, mm")

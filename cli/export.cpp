@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Flags {
+struct ExportFlags {
   fs::path model, mesh, mask, sdf, prob, control, like;
   int density = -1, threads = 0;
   bool overwrite = false;
@@ -46,7 +46,7 @@ void check_volume_name(const fs::path& path, const std::string& flag) {
   }
 }
 
-void check_flags(const Flags& f) {
+void check_flags(const ExportFlags& f) {
   const bool volumes = !f.mask.empty() || !f.sdf.empty() || !f.prob.empty();
   if (!volumes && f.mesh.empty() && f.control.empty()) {
     throw UsageError(
@@ -72,7 +72,7 @@ void check_flags(const Flags& f) {
   check_outputs(outputs, f.overwrite, inputs);
 }
 
-void export_voxels(const Flags& f, const Surface& surface) {
+void export_voxels(const ExportFlags& f, const Surface& surface) {
   const VolumeHeader header = read_header(f.like);
   const int level =
       f.density >= 0 ? f.density : std::clamp(tessellation_level(surface, 0.5 * header.grid.mean_spacing()), 2, 6);
@@ -84,7 +84,7 @@ void export_voxels(const Flags& f, const Surface& surface) {
   }
 }
 
-int run_export(const Flags& f, Console& console) {
+int run_export(const ExportFlags& f, Console& console) {
   console.configure(*f.console);
   check_flags(f);
   const ThreadLimit limit(f.threads);
@@ -101,7 +101,7 @@ int run_export(const Flags& f, Console& console) {
 }  // namespace
 
 Run add_export(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ExportFlags>();
   app.add_option("MODEL", flags->model, "a saved model, STEM_model.json")->type_name("FILE.json")->required();
   app.add_option("--mesh", flags->mesh, "mesh file; .ply, .stl, .obj, .vtp (LPS mm) or .surf.gii (RAS mm)")
       ->type_name("FILE")

@@ -11,13 +11,13 @@ namespace pellicle::cli {
 
 namespace {
 
-struct Flags {
+struct FitFlags {
   GeometryFitSettings settings;
   std::string model = "normal", mesh_format = "ply", tolerance_of = "rms", write, size, ladder;
   ConsoleOptions* console = nullptr;
 };
 
-GeometryFitSettings resolved(const Flags& flags) {
+GeometryFitSettings resolved(const FitFlags& flags) {
   GeometryFitSettings settings = flags.settings;
   settings.model.kind = value_of<ModelKind>(flags.model, "--model " + flags.model);
   settings.mesh_format = mesh_format_from_name(flags.mesh_format);
@@ -42,7 +42,7 @@ GeometryFitSettings resolved(const Flags& flags) {
   return settings;
 }
 
-int run_fit(const Flags& flags, const std::vector<std::string>& command_line, Console& console) {
+int run_fit(const FitFlags& flags, const std::vector<std::string>& command_line, Console& console) {
   console.configure(*flags.console);
   const GeometryFitSettings settings = resolved(flags);
   const RunContext context{command_line, [&](double share, const std::string& what) { console.progress(share, what); },
@@ -64,7 +64,7 @@ int run_fit(const Flags& flags, const std::vector<std::string>& command_line, Co
 }  // namespace
 
 Run add_fit(CLI::App& app, const std::vector<std::string>& command_line) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<FitFlags>();
   GeometryFitSettings& s = flags->settings;
   app.add_option("-i,--input", s.input,
                  "points (.xyz .pts .csv .pcd .ply), mesh (.ply .obj .stl .off .vtp .gii) or mask (.nii.gz ...), "

@@ -22,14 +22,14 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-struct Flags {
+struct InfoFlags {
   fs::path file;
   std::string spacing;
   bool as_json = false;
   ConsoleOptions* console = nullptr;
 };
 
-json volume_info(const Flags& flags, Console& console) {
+json volume_info(const InfoFlags& flags, Console& console) {
   ReadOptions options;
   if (!flags.spacing.empty()) {
     const auto n = three_numbers(flags.spacing, "--spacing " + flags.spacing);
@@ -92,7 +92,7 @@ std::string text_of(const json& value) {
   return text.empty() ? "-" : text;
 }
 
-int run_info(const Flags& flags, Console& console) {
+int run_info(const InfoFlags& flags, Console& console) {
   console.configure(*flags.console);
   std::error_code ignored;
   if (!fs::exists(flags.file, ignored)) {
@@ -118,7 +118,7 @@ int run_info(const Flags& flags, Console& console) {
 }  // namespace
 
 Run add_info(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<InfoFlags>();
   app.add_option("FILE", flags->file, "volume, folder with a DICOM series, mesh or model")->required();
   app.add_option("--spacing", flags->spacing, "voxel size in mm, instead of the file's")
       ->type_name("X,Y,Z")

@@ -12,7 +12,7 @@ namespace pellicle::cli {
 
 namespace {
 
-struct Flags {
+struct MorphFlags {
   MorphSettings settings;
   std::string space = "plane", mesh_format = "ply";
   int density = -1;
@@ -20,7 +20,7 @@ struct Flags {
   ConsoleOptions* console = nullptr;
 };
 
-int run_morph(const Flags& flags, const std::vector<std::string>& command_line, Console& console) {
+int run_morph(const MorphFlags& flags, const std::vector<std::string>& command_line, Console& console) {
   console.configure(*flags.console);
   MorphSettings settings = flags.settings;
   settings.space = morph_space_from_name(flags.space);
@@ -45,7 +45,7 @@ int run_morph(const Flags& flags, const std::vector<std::string>& command_line, 
   return result.exit_code();
 }
 
-void add_output_flags(CLI::App& app, Flags& flags) {
+void add_output_flags(CLI::App& app, MorphFlags& flags) {
   app.add_option("-o,--output", flags.settings.output, "output folder, created if missing")
       ->type_name("DIR")
       ->required()
@@ -67,7 +67,7 @@ void add_output_flags(CLI::App& app, Flags& flags) {
 }  // namespace
 
 Run add_morph(CLI::App& app, const std::vector<std::string>& command_line) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<MorphFlags>();
   app.add_option("A", flags->settings.a, "a saved model, STEM_model.json: tau = 0")->type_name("A.json")->required();
   app.add_option("B", flags->settings.b, "another of the same kind: tau = 1")->type_name("B.json")->required();
   app.add_option("--steps", flags->settings.steps, "shapes, equally spaced in tau; 1: the middle")

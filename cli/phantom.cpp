@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Flags {
+struct PhantomFlags {
   fs::path output;
   std::string name, size, spacing, direction, radius, center, fill, contrast, noise, contrast_range;
   PhantomSettings settings;
@@ -67,7 +67,7 @@ std::string joined_shapes(const std::string& separator) {
 }
 
 /// What all phantoms have: grid, intensities, degradations.
-PhantomSettings image_settings_of(const Flags& flags) {
+PhantomSettings image_settings_of(const PhantomFlags& flags) {
   PhantomSettings settings = flags.settings;
   if (!flags.size.empty()) {
     const auto words = split_commas(flags.size);
@@ -91,7 +91,7 @@ PhantomSettings image_settings_of(const Flags& flags) {
   return settings;
 }
 
-PhantomSettings settings_of(const Flags& flags) {
+PhantomSettings settings_of(const PhantomFlags& flags) {
   PhantomSettings settings = image_settings_of(flags);
   if (!flags.center.empty()) settings.center = vector_of(flags.center, "center");
   if (!flags.radius.empty()) settings.radius = numbers_of(flags.radius, "radius");
@@ -100,7 +100,7 @@ PhantomSettings settings_of(const Flags& flags) {
   return settings;
 }
 
-ClusterSettings cluster_settings_of(const Flags& flags) {
+ClusterSettings cluster_settings_of(const PhantomFlags& flags) {
   ClusterSettings settings = flags.cluster;
   settings.image = image_settings_of(flags);
   settings.image.shape = PhantomSettings{}.shape;
@@ -112,7 +112,7 @@ ClusterSettings cluster_settings_of(const Flags& flags) {
   return settings;
 }
 
-void check_flags(const Flags& flags) {
+void check_flags(const PhantomFlags& flags) {
   const auto& names = shape_names();
   const std::string& shape = flags.settings.shape;
   if (!flags.is_cluster() && std::find(names.begin(), names.end(), shape) == names.end()) {
@@ -137,7 +137,7 @@ VolumeHeader header_of(const ImageGrid& grid) {
   return header;
 }
 
-std::string write_single(const Flags& flags, const PhantomSettings& settings, Console& console) {
+std::string write_single(const PhantomFlags& flags, const PhantomSettings& settings, Console& console) {
   Phantom phantom = make_phantom(settings);
   check_interrupt();
   if (flags.seeds != static_cast<int>(phantom.seeds.size())) {
@@ -154,7 +154,7 @@ std::string write_single(const Flags& flags, const PhantomSettings& settings, Co
   return fmt::format("{} {:.6g} ml", settings.shape, phantom.exact_volume_ml);
 }
 
-std::string write_cluster(const Flags& flags, const ClusterSettings& settings, Console& console) {
+std::string write_cluster(const PhantomFlags& flags, const ClusterSettings& settings, Console& console) {
   const Cluster cluster = make_cluster(settings);
   check_interrupt();
   console.progress(0.8, "writing");
@@ -168,7 +168,7 @@ std::string write_cluster(const Flags& flags, const ClusterSettings& settings, C
   return fmt::format("cluster of {} {:.6g} ml", cluster.bodies.size(), volume_ml);
 }
 
-int run_phantom(const Flags& flags, Console& console) {
+int run_phantom(const PhantomFlags& flags, Console& console) {
   console.configure(*flags.console);
   check_flags(flags);
   std::variant<PhantomSettings, ClusterSettings> settings;
@@ -190,7 +190,7 @@ int run_phantom(const Flags& flags, Console& console) {
   return 0;
 }
 
-void add_shape_flags(CLI::App& app, Flags& f) {
+void add_shape_flags(CLI::App& app, PhantomFlags& f) {
   app.add_option("--shape", f.settings.shape, "the object; cluster: many ellipsoids and a label map")
       ->type_name(joined_shapes("|"))
       ->capture_default_str()
@@ -218,7 +218,7 @@ void add_shape_flags(CLI::App& app, Flags& f) {
       ->group("Object");
 }
 
-void add_cluster_flags(CLI::App& app, Flags& f) {
+void add_cluster_flags(CLI::App& app, PhantomFlags& f) {
   app.add_option("--count", f.cluster.count, "objects")->type_name("N")->capture_default_str()->group("Cluster");
   app.add_option("--distance", f.cluster.distance, "centres are at least D (r + r') apart; below 1 objects overlap")
       ->type_name("D")
@@ -234,7 +234,7 @@ void add_cluster_flags(CLI::App& app, Flags& f) {
       ->group("Cluster");
 }
 
-void add_image_flags(CLI::App& app, Flags& f) {
+void add_image_flags(CLI::App& app, PhantomFlags& f) {
   app.add_option("--size", f.size, "voxels")->type_name("NX,NY,NZ")->default_str("96,96,96")->group("Image");
   app.add_option("--spacing", f.spacing, "mm")->type_name("SX,SY,SZ")->default_str("1,1,1")->group("Image");
   app.add_option("--direction", f.direction, "turns the grid about x, then y, then z, degrees")
@@ -266,7 +266,7 @@ void add_image_flags(CLI::App& app, Flags& f) {
 }  // namespace
 
 Run add_phantom(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<PhantomFlags>();
   app.add_option("-o,--output", flags->output, "output folder, created if missing")
       ->type_name("DIR")
       ->required()

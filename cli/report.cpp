@@ -13,7 +13,7 @@ namespace pellicle::cli {
 
 namespace {
 
-struct Flags {
+struct ReportFlags {
   std::vector<std::filesystem::path> sources;
   std::filesystem::path output;
   PageSettings page;
@@ -22,7 +22,7 @@ struct Flags {
   ConsoleOptions* console = nullptr;
 };
 
-int run_report(const Flags& flags, Console& console) {
+int run_report(const ReportFlags& flags, Console& console) {
   console.configure(*flags.console);
   PageSettings settings = flags.page;
   settings.viewer = !flags.no_viewer;
@@ -48,7 +48,7 @@ int run_report(const Flags& flags, Console& console) {
 }  // namespace
 
 Run add_report(CLI::App& app) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ReportFlags>();
   app.add_option("RESULT", flags->sources, "folders of 'segment' or 'batch', or *_report.json files")->required();
   app.add_option("-o,--output", flags->output, "the page")->type_name("FILE.html")->required()->group("Outputs");
   app.add_option("--title", flags->page.title, "heading of the page")->type_name("TEXT")->group("Outputs");
