@@ -26,7 +26,7 @@ namespace {
 
 using Labels = std::vector<int>;
 
-struct Scores {
+struct NucleiScores {
   std::size_t truth = 0, found = 0, visible = 0;
   double f1 = 0.0, dice = 0.0, f1_visible = 0.0;
 };
@@ -74,10 +74,10 @@ std::set<int> visible_labels(const Labels& truth, const Index3& size, const Over
 
 /// Pairs with IoU of one half or more are matches (each label has one at most, or ties at exactly one half). Slivers at
 /// the border count neither for nor against in `f1_visible`, nor do results that lie in them.
-Scores score(const Labels& truth, const Labels& result, const Index3& size) {
+NucleiScores score(const Labels& truth, const Labels& result, const Index3& size) {
   const Overlaps o(truth, result);
   const std::set<int> visible = visible_labels(truth, size, o);
-  Scores s{o.truth.size(), o.result.size(), visible.size()};
+  NucleiScores s{o.truth.size(), o.result.size(), visible.size()};
   std::map<int, double> best;
   std::map<int, std::pair<double, int>> partner;
   std::set<int> matched_truth, matched_result, in_visible;
@@ -166,8 +166,8 @@ Labels as_labels(const auto& voxels) {
   return Labels(voxels.begin(), voxels.end());
 }
 
-void print_row(const std::string& name, const Scores& ours, const std::optional<Scores>& threshold, double seconds,
-               double megabytes) {
+void print_row(const std::string& name, const NucleiScores& ours, const std::optional<NucleiScores>& threshold,
+               double seconds, double megabytes) {
   const std::string beside = threshold ? fmt::format("{} | {:.3f} | {:.3f} | {:.3f}", threshold->found, threshold->f1,
                                                      threshold->dice, threshold->f1_visible)
                                        : "not run | | |";
@@ -192,7 +192,7 @@ void run_case(const Options& options, const std::string& name, const std::filesy
   }
   const auto report = nlohmann::json::parse(std::ifstream(out / "n_report.json"));
   const LabelVolume result = read_labels(out / "n_dseg.nii.gz");
-  std::optional<Scores> without;
+  std::optional<NucleiScores> without;
   if (baseline) {
     ReadOptions read;
     if (!spacing.empty()) read.spacing = Vec3(spacing[0], spacing[1], spacing[2]);

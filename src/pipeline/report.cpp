@@ -90,7 +90,7 @@ json fit_json(const FitSummary& fit) {
 
 // What is told of each of many objects, see docs/nuclei.md.
 json shape_json(const ObjectResult& object) {
-  const Shape& shape = *object.shape;
+  const ObjectShape& shape = *object.shape;
   return {{"centre_lps_mm", json_of(shape.centre)},
           {"sphericity", number(shape.sphericity)},
           {"elongation", number(shape.elongation)},

@@ -22,7 +22,7 @@ struct RunContext {
 };
 
 /// What is told of each of many objects beside what is told of one.
-struct Shape {
+struct ObjectShape {
   Vec3 centre{0, 0, 0};     ///< centroid of the solid, LPS mm
   double sphericity = 0.0;  ///< area of the ball of equal volume over the area; 1 for a ball
   double elongation = 0.0;  ///< longest over shortest axis of the ellipsoid of inertia
@@ -62,7 +62,7 @@ struct ObjectResult {
   bool touches_border = false;     ///< marked voxels on the border of the volume
   std::size_t overlap_voxels = 0;  ///< voxels that other objects claim too
   double seconds = 0.0;
-  std::optional<Shape> shape = {};  ///< of many objects
+  std::optional<ObjectShape> shape = {};  ///< of many objects
 };
 
 struct OutputFile {

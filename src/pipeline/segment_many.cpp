@@ -105,7 +105,7 @@ void measure_one(const SegmentSettings& settings, const ImageGrid& grid, Layouts
     object.fit.status = FitStatus::folded;
     object.fit.reason = fmt::format("the surface cuts itself: {} pairs of facets", object.self_intersections);
   }
-  Shape& shape = *object.shape;
+  ObjectShape& shape = *object.shape;
   shape.centre = centroid_of(fine);
   shape.elongation = elongation_of(fine);
   const double volume = volume_of(fine);
@@ -193,8 +193,8 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
       object.name = seeds[found.source].name;
     }
     object.fit = std::move(found.summary);
-    object.shape =
-        Shape{.visible = found.evidence.visible, .support = found.evidence.support, .limited = found.evidence.limited};
+    object.shape = ObjectShape{
+        .visible = found.evidence.visible, .support = found.evidence.support, .limited = found.evidence.limited};
     object.seconds = each;
     result.objects.push_back(std::move(object));
   }
@@ -272,7 +272,7 @@ std::string many_table(const std::vector<ObjectResult>& objects) {
       "index\tlabel\tname\tvolume_ml\tstatus\tx_mm\ty_mm\tz_mm\tvolume_surface_ml\tvolume_visible_ml\tvisible_share\t"
       "area_mm2\tsphericity\telongation\tcontrast\tsupport\ttouches_border\n";
   for (const ObjectResult& o : objects) {
-    const Shape& s = *o.shape;
+    const ObjectShape& s = *o.shape;
     text += fmt::format(
         "{}\t{}\t{}\t{:.6g}\t{}\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}\t{:.4f}\t{:.6g}\t{:.4f}\t{:.4f}\t{:.6g}\t{:.4f}"
         "\t{}\n",

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "../temporary_folder.h"
+
 namespace pellicle::test {
 
 struct Outcome {
@@ -27,27 +29,7 @@ inline std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// A folder of its own that vanishes with the object.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "pellicle-cli-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::string operator()(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using Scratch = TemporaryFolder;
 
 /// Starts the program with stdout and stderr in files of `scratch`.
 inline pid_t start(const std::vector<std::string>& arguments, const Scratch& scratch) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "../temporary_folder.h"
+
 namespace pellicle::test {
 
 struct Expectation {
@@ -39,25 +41,5 @@ inline std::vector<Expectation> read_table(const std::filesystem::path& csv) {
   if (table.empty()) throw std::runtime_error("no expectation in " + csv.string());
   return table;
 }
-
-/// A folder of its own that vanishes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "pellicle-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace pellicle::test

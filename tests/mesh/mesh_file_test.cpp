@@ -1,4 +1,5 @@
 #include "pellicle/mesh/mesh_file.h"
+#include "../temporary_folder.h"
 
 #include <gmock/gmock.h>
 
@@ -22,19 +23,13 @@ using testing::Not;
 
 class MeshFile : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        fs::temp_directory_path() / ("pellicle-mesh-" + std::string(test->name()) + "-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path put(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  fs::path folder_;
+
+  const test::TemporaryFolder temporary_;
+  const fs::path& folder_ = temporary_.path();
 };
 
 std::string bytes_of(const fs::path& path) {

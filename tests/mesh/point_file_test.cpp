@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/point_tree.h"
@@ -15,26 +16,11 @@
 namespace pellicle {
 namespace {
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "pellicle-points-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+struct Folder : test::TemporaryFolder {
   std::filesystem::path with(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
+    std::ofstream(path() / name, std::ios::binary) << bytes;
+    return path() / name;
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 struct Good {

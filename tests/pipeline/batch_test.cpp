@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
-#include "temporary_folder.h"
 
 namespace pellicle {
 namespace {
@@ -60,7 +60,7 @@ class BatchRun : public testing::Test {
     return std::count(text.begin(), text.end(), '\n');
   }
 
-  TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   BatchSettings settings_;
 };
 
@@ -162,7 +162,7 @@ TEST(BatchTable, SurvivesAwkwardText) {
   row.message = "two\nlines\tand a tab";
   row.exit_code = 65;
   row.status = "failed";
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "batch.tsv") << table_of({row});
   const auto rows = read_batch_table(folder / "batch.tsv");
   ASSERT_EQ(rows.size(), 1U);

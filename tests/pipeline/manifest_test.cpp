@@ -7,22 +7,22 @@
 #include <fstream>
 #include <set>
 
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
-#include "temporary_folder.h"
 
 namespace pellicle {
 namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::vector<BatchCase> manifest(const TemporaryFolder& folder, const std::string& text,
+std::vector<BatchCase> manifest(const test::TemporaryFolder& folder, const std::string& text,
                                 const std::string& name = "m.csv") {
   std::ofstream(folder / name, std::ios::binary) << text;
   return read_manifest(folder / name);
 }
 
 TEST(Manifest, ReadsWhatSpreadsheetsWrite) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto cases = manifest(folder,
                               "\xEF\xBB\xBF"
                               "name , input,seed-sphere,detail\r\n"
@@ -42,7 +42,7 @@ TEST(Manifest, ReadsWhatSpreadsheetsWrite) {
 }
 
 TEST(Manifest, TabsSeparateATsv) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto cases = manifest(folder, "input\tseed-sphere\tenergy\nx.nii\t1,2,3,4\tregion=1;bending=0.5\n", "m.tsv");
   ASSERT_EQ(cases.size(), 1U);
   EXPECT_THAT(cases[0].values.at("seed-sphere"), ElementsAre("1,2,3,4"));
@@ -58,7 +58,7 @@ struct BadTable {
 class BadTables : public testing::TestWithParam<BadTable> {};
 
 TEST_P(BadTables, AreRefusedWithThePlace) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   try {
     manifest(folder, GetParam().text);
     FAIL() << "no error";
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Manifest, BadTables,
                                          BadTable{"", 65, "empty table"}, BadTable{"input\n", 65, "no row"}));
 
 TEST(Manifest, PatternsNameTheirFiles) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   for (const std::string name : {"b.nii.gz", "a.nii.gz", "c.txt"}) std::ofstream(folder / name) << "x";
   const auto cases = cases_of_patterns({(folder / "*.nii.gz").string()});
   ASSERT_EQ(cases.size(), 2U);

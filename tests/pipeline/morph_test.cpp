@@ -1,6 +1,7 @@
 // The morph command without a command line: settings, files, figures.
 
 #include "pellicle/pipeline/morph.h"
+#include "../temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,8 +31,6 @@ std::string text_of(const fs::path& path) {
 class MorphFiles : public testing::Test {
  protected:
   MorphFiles() {
-    std::string name = (fs::temp_directory_path() / "pellicle-morph-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
     write_model(folder_ / "small_model.json", ball(10.0));
     write_model(folder_ / "large.json", ball(20.0));
     settings_.a = folder_ / "small_model.json";
@@ -39,16 +38,13 @@ class MorphFiles : public testing::Test {
     settings_.output = folder_ / "out";
     settings_.mesh_density = 3;
   }
-  ~MorphFiles() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
   static Surface ball(double radius) {
     const SurfaceModel model = start_model({});
     return {model, affine_image(model, Vec3(radius, 0, 0), radius * Mat3::Identity())};
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder temporary_;
+  const fs::path& folder_ = temporary_.path();
   MorphSettings settings_;
 };
 

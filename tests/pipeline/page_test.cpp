@@ -7,11 +7,11 @@
 #include <cstring>
 #include <fstream>
 
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/pipeline/page_case.h"
 #include "pellicle/pipeline/report_page.h"
 #include "pellicle/pipeline/viewer_files.h"
-#include "temporary_folder.h"
 
 namespace pellicle {
 namespace {
@@ -106,7 +106,7 @@ TEST(Base64, OfTheStandardsExamples) {
 }
 
 TEST(Page, FindsCasesAndRefusesWhatIsNoResult) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THROW(find_page_cases({folder.path()}), NoInput);
   EXPECT_THROW(find_page_cases({folder / "none"}), NoInput);
   std::filesystem::create_directories(folder / "b");

@@ -5,13 +5,13 @@
 #include <stdexcept>
 #include <string>
 
-namespace pellicle {
+namespace pellicle::test {
 
 /// A folder of its own that vanishes with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "pellicle-pipeline-XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "pellicle-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = name;
   }
@@ -22,10 +22,11 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::string operator()(const std::string& name) const { return (path_ / name).string(); }
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace pellicle
+}  // namespace pellicle::test
