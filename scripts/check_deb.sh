@@ -10,12 +10,16 @@ for tool in debootstrap dpkg-shlibdeps; do
 done
 mirror=${MIRROR:-http://deb.debian.org/debian}
 folder=${1:-}
-if [ -z "$folder" ]; then
-  folder=$(mktemp -d)
-  trap 'rm -rf --one-file-system "$folder"' EXIT
-fi
+scratch=
+[ -n "$folder" ] || scratch=$(mktemp -d)
+folder=${folder:-$scratch}
 mkdir -p "$folder"
 root=$folder/root
+tidy() {
+  ! mountpoint -q "$root/proc" || umount "$root/proc"
+  [ -z "$scratch" ] || rm -rf --one-file-system "$scratch"
+}
+trap tidy EXIT
 data=/usr/share/mricron/templates
 
 [ "${SKIP_BUILD:-0}" = 1 ] || scripts/setup.sh release pellicle >"$folder/build.log"
@@ -28,6 +32,7 @@ dpkg-deb --contents "$package" | awk '!/\/$/ {print $3, $6}'
 echo "--- a fresh Debian 12"
 [ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" >"$folder/debootstrap.log"
 cat "$root/etc/debian_version"
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc" # as every running system has it
 for file in resolv.conf apt/apt.conf; do [ -e "/etc/$file" ] && cp -L "/etc/$file" "$root/etc/$file"; done
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
   ${http_proxy:+http_proxy="$http_proxy"} "$@"; }
@@ -35,7 +40,7 @@ mkdir -p "$root/work"
 cp "$package" "$root/work/pellicle.deb"
 cp "$data"/ch2.nii.gz "$data"/ch2bet.nii.gz "$root/work/"
 in_root apt-get update -qq
-in_root apt-get install -qq -y --no-install-recommends /work/pellicle.deb >"$folder/install.log" 2>&1 || { tail -20 "$folder/install.log"; exit 1; }
+in_root apt-get install -qq -y --reinstall --no-install-recommends /work/pellicle.deb >"$folder/install.log" 2>&1 || { tail -20 "$folder/install.log"; exit 1; }
 echo "--- installed: $(in_root dpkg-query -W -f='${Package} ${Version} ${Status}' pellicle), $(grep -c '^Setting up' "$folder/install.log") packages in all"
 
 echo "--- runs there"
