@@ -22,10 +22,6 @@ struct BatchFlags {
   ConsoleOptions* console = nullptr;
 };
 
-bool is_common(const SettingKey& key) {
-  return may_vary(key.name) && key.name != "input" && key.name != "name";
-}
-
 bool is_table(const std::string& source) {
   const auto extension = std::filesystem::path(source).extension();
   return extension == ".csv" || extension == ".tsv";
@@ -39,27 +35,12 @@ std::vector<BatchCase> cases_from(const std::vector<std::string>& sources) {
   return cases_of_patterns(sources);
 }
 
-FlagValues common_values(const BatchFlags& flags) {
-  FlagValues common;
-  const auto& keys = segment_keys();
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto& values = flags.typed[i];
-    if (values.empty()) continue;
-    SegmentSettings scratch;
-    const bool list = keys[i].kind == SettingKind::words || keys[i].kind == SettingKind::vector;
-    keys[i].set(scratch, list ? split_commas(values.front()) : values, "--" + keys[i].name);
-    common[keys[i].name] = values;
-  }
-  if (!flags.config.empty()) common["config"] = {flags.config};
-  return common;
-}
-
 int run_batch_command(BatchFlags& flags, Console& console) {
   console.configure(*flags.console);
   BatchSettings settings = flags.batch;
   settings.program = this_program();
   settings.shard = parse_shard(flags.shard);
-  settings.common = common_values(flags);
+  settings.common = common_values(flags.typed, flags.config);
   BatchContext context;
   context.progress = [&](double share, const std::string& what) { console.progress(share, what); };
   context.finished = [&](const BatchRow& row) {
@@ -88,8 +69,6 @@ Run add_batch(CLI::App& app) {
                  "table (.csv, .tsv): a column a flag of 'segment', a row a case; or volumes, also as a pattern: "
                  "'scans/*.nii.gz'")
       ->required();
-  const auto& keys = segment_keys();
-  flags->typed.resize(keys.size());
   app.add_option("-o,--output", flags->batch.output, "folder: batch.tsv, and a folder for each case")
       ->type_name("DIR")
       ->group("Batch");
@@ -109,9 +88,7 @@ Run add_batch(CLI::App& app) {
       ->capture_default_str()
       ->group("Run");
   app.add_option("--config", flags->config, "settings file for every case")->type_name("FILE.toml")->group("Run");
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (is_common(keys[i])) add_setting_flag(app, keys[i], flags->typed[i]);
-  }
+  add_common_setting_flags(app, flags->typed);
   flags->console = add_console_flags(app);
   app.footer(
       "Flags of 'segment' that stand here hold for every case; what a row says wins.\n"

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -10,6 +11,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/pipeline/provenance.h"
+#include "slicer_progress.h"
 
 namespace {
 
@@ -21,6 +23,14 @@ constexpr int failure = 1, usage = 64;
 std::string subcommand_of(const CLI::App& app) {
   const auto chosen = app.get_subcommands();
   return chosen.empty() ? "pellicle" : "pellicle " + chosen.front()->get_name();
+}
+
+std::string version_text() {
+  std::string libraries;
+  for (const auto& [name, version] : pellicle::library_versions()) {
+    libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", name, version);
+  }
+  return fmt::format("pellicle {}\n{}", pellicle::program_version(), libraries);
 }
 
 int report_usage(const CLI::App& app, const CLI::ParseError& fault, const std::vector<std::string>& command_line,
@@ -68,7 +78,7 @@ int main(int argc, char** argv) {
     if (word == "--log-json") console.configure({false, false, true, false});
   }
   CLI::App app("Few-parameter deformable surfaces for 3D biomedical images", "pellicle");
-  app.set_version_flag("--version", "pellicle " + pellicle::program_version());
+  app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 success, 1 failure, 3 an object failed its own checks, 64 usage, 65 bad data, 66 no such input,\n"
@@ -81,8 +91,11 @@ int main(int argc, char** argv) {
   auto* fit = app.add_subcommand("fit", "points, mesh or mask -> fitted surface (no image)");
   auto* morph = app.add_subcommand("morph", "shapes between two saved models of one kind, and beyond");
   auto* batch = app.add_subcommand("batch", "a table of many segmentations, each in a process of its own");
+  auto* bids = app.add_subcommand("bids", "a BIDS dataset -> a BIDS derivatives dataset");
   auto* report = app.add_subcommand("report", "results -> one self-contained HTML page");
   auto* info = app.add_subcommand("info", "what a file holds: grid, frame, spacing, type, range");
+  auto* completion = app.add_subcommand("completion", "completion of commands and flags for a shell");
+  auto* manual = app.add_subcommand("manual", "the manual page of a command");
   const std::map<const CLI::App*, Run> commands{{segment, pellicle::cli::add_segment(*segment, command_line)},
                                                 {phantom, pellicle::cli::add_phantom(*phantom)},
                                                 {evaluate, pellicle::cli::add_evaluate(*evaluate)},
@@ -90,10 +103,16 @@ int main(int argc, char** argv) {
                                                 {fit, pellicle::cli::add_fit(*fit, command_line)},
                                                 {morph, pellicle::cli::add_morph(*morph, command_line)},
                                                 {batch, pellicle::cli::add_batch(*batch)},
+                                                {bids, pellicle::cli::add_bids(*bids)},
                                                 {report, pellicle::cli::add_report(*report)},
-                                                {info, pellicle::cli::add_info(*info)}};
+                                                {info, pellicle::cli::add_info(*info)},
+                                                {completion, pellicle::cli::add_completion(*completion, app)},
+                                                {manual, pellicle::cli::add_manual(*manual, app)}};
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words(command_line.begin() + 1, command_line.end());
+    if (!words.empty() && words.front() == "segment") words = pellicle::cli::with_dashed_flags(words);
+    std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+    app.parse(words);
   } catch (const CLI::ParseError& fault) {
     return report_usage(app, fault, command_line, console);
   }

@@ -3,14 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "commands.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/many.h"
+#include "pellicle/pipeline/boutiques_description.h"
 #include "pellicle/pipeline/presets.h"
 #include "pellicle/pipeline/segment.h"
 #include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/pipeline/slicer_description.h"
+#include "slicer_progress.h"
 
 namespace pellicle::cli {
 
@@ -45,6 +49,8 @@ namespace {
 struct Typed {
   std::vector<std::vector<std::string>> values;
   std::string config;
+  std::string address, return_file;  ///< from hosts like 3D Slicer; nothing is made of them
+  bool slicer = false, boutiques = false;
 };
 
 bool may_repeat(const SettingKey& key) {
@@ -53,6 +59,9 @@ bool may_repeat(const SettingKey& key) {
 
 void apply_typed(const SettingKey& key, const std::vector<std::string>& values, SegmentSettings& settings) {
   if (values.empty()) return;
+  // A choice that hosts hand over though nobody made it: the preset decides.
+  const bool choice = key.placeholder.find('|') != std::string::npos || key.name == "preset";
+  if (choice && values.size() == 1 && values.front() == "default") return;
   const std::string flag = fmt::format("--{}", key.name);
   if (values.size() > 1 && !may_repeat(key) && key.kind != SettingKind::flag) {
     throw UsageError(fmt::format("flag given twice ({}): it takes one value; keep one", flag));
@@ -122,6 +131,10 @@ void print_dry_run(const SegmentSettings& settings) {
 }
 
 int run_segment(const Typed& typed, const std::vector<std::string>& command_line, Console& console) {
+  if (typed.slicer || typed.boutiques) {
+    std::cout << (typed.slicer ? slicer_description() : boutiques_description().dump(2) + "\n");
+    return 0;
+  }
   if (asks_for_list(typed, "preset")) {
     print_presets();
     return 0;
@@ -137,7 +150,12 @@ int run_segment(const Typed& typed, const std::vector<std::string>& command_line
     print_dry_run(settings);
     return 0;
   }
-  const RunContext context{command_line, [&](double share, const std::string& what) { console.progress(share, what); },
+  SlicerProgress slicer(settings.progress_xml);
+  const RunContext context{command_line,
+                           [&](double share, const std::string& what) {
+                             console.progress(share, what);
+                             slicer.tell(share, what);
+                           },
                            [&](const std::string& message) { console.inform(message); },
                            [&](const std::string& message) { console.warn(message); }};
   const SegmentResult result = segment(settings, context);
@@ -161,6 +179,10 @@ Run add_segment(CLI::App& app, const std::vector<std::string>& command_line) {
   app.add_option("--config", typed->config, "settings file: any flag as a key; the command line wins")
       ->type_name("FILE.toml")
       ->group("Run");
+  app.add_flag("--xml", typed->slicer, "print what 3D Slicer wants to know about this command, and stop")->group("Run");
+  app.add_flag("--boutiques", typed->boutiques, "print a Boutiques descriptor of this command, and stop")->group("Run");
+  app.add_option("--processinformationaddress", typed->address)->group("");
+  app.add_option("--returnparameterfile", typed->return_file)->group("");
   app.footer(
       "Lengths are mm, volumes ml. One line an object on stdout: label volume_ml status seconds.\n"
       "Example: pellicle segment -i scan.nii.gz -o out --seed-sphere 12,-30,5,8 --write mask,mesh,qc");

@@ -19,6 +19,30 @@ ConsoleOptions* add_console_flags(CLI::App& app) {
   return options.get();
 }
 
+void add_common_setting_flags(CLI::App& app, std::vector<std::vector<std::string>>& typed) {
+  const auto& keys = segment_keys();
+  typed.resize(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const bool common = may_vary(keys[i].name) && keys[i].name != "input" && keys[i].name != "name";
+    if (common) add_setting_flag(app, keys[i], typed[i]);
+  }
+}
+
+FlagValues common_values(const std::vector<std::vector<std::string>>& typed, const std::string& config) {
+  FlagValues common;
+  const auto& keys = segment_keys();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto& values = typed[i];
+    if (values.empty()) continue;
+    SegmentSettings scratch;
+    const bool list = keys[i].kind == SettingKind::words || keys[i].kind == SettingKind::vector;
+    keys[i].set(scratch, list ? split_commas(values.front()) : values, "--" + keys[i].name);
+    common[keys[i].name] = values;
+  }
+  if (!config.empty()) common["config"] = {config};
+  return common;
+}
+
 std::vector<double> three_numbers(const std::string& text, const std::string& where) {
   std::vector<double> numbers;
   for (const auto& word : split_commas(text)) numbers.push_back(number_of(word, where));

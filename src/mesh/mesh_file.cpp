@@ -115,6 +115,11 @@ MeshFormat mesh_format_from_name(const std::string& name) {
   throw UsageError(fmt::format("unknown mesh format ({}): choose one of ply, stl, obj, vtp, gii", name));
 }
 
+MeshFormat mesh_format_of_path(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  return mesh_format_from_name(extension.empty() ? path.filename().string() : extension.substr(1));
+}
+
 std::string extension_of(MeshFormat format) {
   switch (format) {
     case MeshFormat::ply:

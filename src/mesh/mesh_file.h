@@ -13,6 +13,8 @@ enum class MeshFormat { ply, stl, obj, vtp, gii };
 
 /// From "ply", "stl", "obj", "vtp", "gii". \throws UsageError naming the choices.
 MeshFormat mesh_format_from_name(const std::string& name);
+/// By extension. \throws the same.
+MeshFormat mesh_format_of_path(const std::filesystem::path& path);
 /// ".ply", ".stl", ".obj", ".vtp", ".surf.gii".
 std::string extension_of(MeshFormat format);
 

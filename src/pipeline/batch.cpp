@@ -56,7 +56,7 @@ class Batch {
  public:
   Batch(std::vector<BatchCase> cases, const BatchSettings& settings, const BatchContext& context)
       : cases_(std::move(cases)), settings_(settings), context_(context) {
-    result_.table = settings.output / table_name(settings.shard);
+    result_.table = settings.output / (settings.table.empty() ? table_name(settings.shard) : settings.table);
     const int threads = settings.threads > 0 ? settings.threads : static_cast<int>(std::thread::hardware_concurrency());
     threads_each_ = std::max(1, threads / settings.jobs);
     arguments_.reserve(cases_.size());

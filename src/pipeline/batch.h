@@ -16,6 +16,7 @@ struct BatchSettings {
   std::filesystem::path program;  ///< what is run, as `PROGRAM segment ...`
   std::filesystem::path output;   ///< the files of a case go to output/NAME/NAME_*
   FlagValues common;              ///< what every case is told, unless it says otherwise
+  std::string table;              ///< file name "batch-*.tsv" of the table; empty: by the shard
   Shard shard;
   int jobs = 1;             ///< cases at a time
   int threads = 0;          ///< of all cases together; 0: all cores

@@ -126,7 +126,7 @@ std::vector<BatchRow> read_batch_tables(const fs::path& folder) {
   std::error_code fault;
   for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
     const std::string name = at->path().filename().string();
-    const bool part = name.starts_with("batch-") && name.find("-of-") != std::string::npos && name.ends_with(".tsv");
+    const bool part = name.starts_with("batch-") && name.ends_with(".tsv");
     if ((name == "batch.tsv" || part) && at->is_regular_file(fault)) tables.push_back(at->path());
   }
   std::sort(tables.begin(), tables.end(), [](const fs::path& a, const fs::path& b) {

@@ -11,7 +11,7 @@ namespace pellicle {
 
 namespace {
 
-constexpr Rgb paper{255, 255, 255}, ink{40, 44, 52}, grid_color{222, 225, 230};
+constexpr Rgb paper{255, 255, 255}, ink{40, 44, 52}, grid_color{222, 225, 230}, span_color{243, 245, 248};
 constexpr int text_scale = 2, line_height = text_scale * glyph_height;
 
 // draw_text rims its letters in black, which suits pictures; on paper they stand alone.
@@ -31,13 +31,22 @@ bool drawable(const Vec2& p) {
   return std::isfinite(p.x()) && std::isfinite(p.y()) && p.x() > 0.0 && p.y() > 0.0;
 }
 
-/// A logarithmic axis onto pixels.
+/// An axis onto pixels, logarithmic unless it counts.
 struct Axis {
   double low = 1.0, high = 10.0, from = 0.0, to = 1.0;
-  double at(double value) const { return from + (to - from) * std::log(value / low) / std::log(high / low); }
+  bool counts = false;
+  double at(double value) const {
+    const double share = counts ? (value - low) / (high - low) : std::log(value / low) / std::log(high / low);
+    return from + (to - from) * share;
+  }
 };
 
 void widen(double low, double high, Axis& axis) {
+  if (axis.counts) {
+    axis.low = low - 0.5;
+    axis.high = high + 0.5;
+    return;
+  }
   // A sixth of the range on both sides, and never less than a factor of two in all.
   const double margin = std::max(std::pow(high / low, 0.08), std::sqrt(2.0));
   axis.low = low / margin;
@@ -57,9 +66,35 @@ std::vector<double> log_ticks(double low, double high) {
   return ticks;
 }
 
+std::vector<double> count_ticks(double low, double high, int most) {
+  double step = 1.0;
+  for (int i = 0; (high - low) / step > most; ++i) step *= i % 3 == 1 ? 2.5 : 2.0;  // 1, 2, 5, 10, ...
+  std::vector<double> ticks;
+  for (double tick = std::ceil(low / step) * step; tick <= high; tick += step) ticks.push_back(tick);
+  return ticks;
+}
+
+namespace {
+
+void draw_spans(Canvas& canvas, const LogPlot& plot, const Axis& x, int top, int bottom) {
+  bool shaded = false;
+  for (const PlotSpan& span : plot.spans) {
+    const int from = static_cast<int>(std::lround(x.at(span.from))), to = static_cast<int>(std::lround(x.at(span.to)));
+    if (shaded) fill_rectangle(canvas, from, top, to - from, bottom - top, span_color);
+    shaded = !shaded;
+    draw_line(canvas, {from, top}, {from, bottom}, 1.0, grid_color);
+    std::string name = span.name;
+    while (!name.empty() && text_width(name, text_scale) > to - from - 6) name.pop_back();
+    write(canvas, from + 4, bottom - line_height - 6, name, ink);
+  }
+}
+
+}  // namespace
+
 Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
   Canvas canvas(width, height, paper);
   Axis x, y;
+  x.counts = plot.x_counts;
   bool any = false;
   double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;
   for (const PlotCurve& curve : plot.curves) {
@@ -81,9 +116,10 @@ Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
   x.to = right;
   y.from = bottom;
   y.to = top;
-  for (const double tick : log_ticks(x.low, x.high)) {
+  draw_spans(canvas, plot, x, top, bottom);
+  for (const double tick : x.counts ? count_ticks(x.low, x.high, 12) : log_ticks(x.low, x.high)) {
     const double at = x.at(tick);
-    draw_line(canvas, {at, top}, {at, bottom}, 1.0, grid_color);
+    if (!x.counts) draw_line(canvas, {at, top}, {at, bottom}, 1.0, grid_color);
     const std::string text = fmt::format("{:.6g}", tick);
     write(canvas, static_cast<int>(at) - text_width(text, text_scale) / 2, bottom + 12, text, ink);
   }
@@ -98,21 +134,28 @@ Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
   write(canvas, (left + right - text_width(plot.title, text_scale)) / 2, 14, plot.title, ink);
   write(canvas, 14, top - 28, plot.y_label, ink);
   write(canvas, (left + right - text_width(plot.x_label, text_scale)) / 2, height - 30, plot.x_label, ink);
-  int key_y = top + 14;
+  int key_y = plot.x_counts ? top - 28 : top + 14, key_right = right - 14;  // in a row above a plot of many steps
   for (const PlotCurve& curve : plot.curves) {
     const Vec2* before = nullptr;
     for (const Vec2& p : curve.points) {
-      if (!drawable(p)) continue;
+      if (!drawable(p)) {
+        before = nullptr;
+        continue;
+      }
       const Vec2 here(x.at(p.x()), y.at(p.y()));
       if (before != nullptr) draw_line(canvas, {x.at(before->x()), y.at(before->y())}, here, 2.5, curve.color);
-      draw_line(canvas, here, here, 9.0, curve.color);
+      draw_line(canvas, here, here, x.counts ? 5.0 : 9.0, curve.color);
       before = &p;
     }
-    const int text_x = right - 14 - text_width(curve.name, text_scale);
+    const int text_x = key_right - text_width(curve.name, text_scale);
     write(canvas, text_x, key_y, curve.name, ink);
     draw_line(canvas, {text_x - 46.0, key_y + 0.5 * line_height}, {text_x - 12.0, key_y + 0.5 * line_height}, 2.5,
               curve.color);
-    key_y += line_height + 10;
+    if (plot.x_counts) {
+      key_right = text_x - 70;
+    } else {
+      key_y += line_height + 10;
+    }
   }
   return canvas;
 }

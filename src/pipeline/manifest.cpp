@@ -220,8 +220,9 @@ void refuse_double(std::map<std::string, std::string>& seen, const BatchCase& on
 }  // namespace
 
 bool may_vary(const std::string& flag) {
-  static const std::set<std::string> own{"output", "threads", "overwrite", "dry-run",
-                                         "quiet",  "verbose", "log-json",  "no-progress"};
+  static const std::set<std::string> own{"output",    "output-mask", "output-mesh", "threads",
+                                         "overwrite", "dry-run",     "quiet",       "verbose",
+                                         "log-json",  "no-progress", "progress-xml"};
   return !own.contains(flag);
 }
 
@@ -292,7 +293,8 @@ std::vector<BatchCase> cases_of_shard(const std::vector<BatchCase>& cases, const
 }
 
 std::vector<std::string> arguments_of(const BatchCase& one, const FlagValues& common) {
-  static const std::set<std::string> seeds{"seed-sphere", "seeds", "seed-mask", "seed-model", "seed-auto"};
+  static const std::set<std::string> seeds{"seed-sphere", "seed-point", "seeds",
+                                           "seed-mask",   "seed-model", "seed-auto"};
   const bool own_seed =
       std::any_of(one.values.begin(), one.values.end(), [](const auto& flag) { return seeds.contains(flag.first); });
   FlagValues merged = common;

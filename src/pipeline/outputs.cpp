@@ -33,6 +33,9 @@ std::vector<PlannedFile> plan_outputs(const SegmentSettings& settings, const std
   if (settings.writes("sdf")) add("sdf", 0, "_sdf.nii.gz");
   if (settings.writes("prob")) add("prob", 0, "_prob.nii.gz");
   if (settings.writes("qc")) add("qc", 0, "_qc.png");
+  if (settings.writes("convergence")) add("convergence", 0, "_convergence.png");
+  if (settings.output_mask) plan.push_back({"output-mask", 0, *settings.output_mask});
+  if (settings.output_mesh) plan.push_back({"output-mesh", 0, *settings.output_mesh});
   if (settings.writes("report")) add("report", 0, "_report.json");
   return plan;
 }

@@ -10,7 +10,8 @@
 namespace pellicle {
 
 struct PlannedFile {
-  std::string kind;  ///< "mask", "labels" (the .tsv), "mesh", "model", "sdf", "prob", "qc", "report"; "trace"
+  std::string kind;  ///< "mask", "labels" (the .tsv), "mesh", "model", "sdf", "prob", "qc", "convergence", "report";
+                     ///< "trace"; "output-mask", "output-mesh"
   int label = 0;     ///< of the object for per-object files of a run with several; 0 otherwise
   std::filesystem::path path;
 };

@@ -162,12 +162,12 @@ std::vector<ObjectSeed> seeds_from_spheres(const SegmentSettings& settings, cons
     return fmt::format("at {},{},{} in {}", row.position[0], row.position[1], row.position[2],
                        name_of(settings.coords));
   };
-  for (const auto& s : settings.seed_spheres) {
+  for (const auto& s : settings.all_seed_spheres()) {
     const SeedRow row{{s[0], s[1], s[2]}, s[3], {}, {}};
     add(row);
     if (!grid.contains(std::get<SeedSphere>(objects.back().candidates[0]).center)) {
       throw UsageError(
-          fmt::format("seed outside the volume (--seed-sphere {}): no voxel is there; check --coords and "
+          fmt::format("seed outside the volume (seed {}): no voxel is there; check --coords and "
                       "see the extent with 'pellicle info'",
                       place(row)));
     }
@@ -238,12 +238,12 @@ std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageG
   std::vector<ObjectSeed> objects;
   // Points all around the object say more than balls do. A few only say where it ends.
   const bool told =
-      settings.seed_mask || settings.seed_model || settings.seed_spheres.size() > 1 || settings.seeds_file;
+      settings.seed_mask || settings.seed_model || settings.all_seed_spheres().size() > 1 || settings.seeds_file;
   const bool outlined = settings.points && !told && settings.fit.start_rule == StartRule::automatic;
   const auto from_points = outlined ? seed_of_points(settings.fit.points, image.grid, settings.fit) : std::nullopt;
   if (from_points) {
     objects = {{1, "", {*from_points}}};
-  } else if (!settings.seed_spheres.empty() || settings.seeds_file) {
+  } else if (!settings.all_seed_spheres().empty() || settings.seeds_file) {
     objects = seeds_from_spheres(settings, grid);
   } else if (settings.seed_mask) {
     objects = seeds_from_mask(settings);

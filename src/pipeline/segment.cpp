@@ -13,6 +13,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
+#include "pellicle/pipeline/convergence_picture.h"
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/pipeline/qc_picture.h"
@@ -147,18 +148,23 @@ std::string label_table(const std::vector<ObjectResult>& objects) {
   return text;
 }
 
+// 0/1 of one object, labels of several.
+void write_mask(const fs::path& path, const SegmentResult& result, const Maps& maps) {
+  if (result.writes_labels()) {
+    write_volume(path, maps.labels, result.header);
+    return;
+  }
+  Image<std::uint8_t> mask(maps.labels.grid);
+  std::transform(maps.labels.voxels.begin(), maps.labels.voxels.end(), mask.voxels.begin(),
+                 [](std::uint16_t label) { return static_cast<std::uint8_t>(label != 0 ? 1 : 0); });
+  write_volume(path, mask, result.header);
+}
+
 void write_maps(const SegmentResult& result, const std::vector<PlannedFile>& plan, const Maps& maps) {
   const SegmentSettings& settings = result.settings;
   if (settings.writes("mask")) {
-    if (result.writes_labels()) {
-      write_volume(path_of(plan, "mask"), maps.labels, result.header);
-      write_text_file(path_of(plan, "labels"), label_table(result.objects));
-    } else {
-      Image<std::uint8_t> mask(maps.labels.grid);
-      std::transform(maps.labels.voxels.begin(), maps.labels.voxels.end(), mask.voxels.begin(),
-                     [](std::uint16_t label) { return static_cast<std::uint8_t>(label != 0 ? 1 : 0); });
-      write_volume(path_of(plan, "mask"), mask, result.header);
-    }
+    write_mask(path_of(plan, "mask"), result, maps);
+    if (result.writes_labels()) write_text_file(path_of(plan, "labels"), label_table(result.objects));
   }
   if (settings.writes("sdf")) write_volume(path_of(plan, "sdf"), maps.distance, result.header);
   if (settings.writes("prob")) write_volume(path_of(plan, "prob"), maps.fraction, result.header);
@@ -166,6 +172,9 @@ void write_maps(const SegmentResult& result, const std::vector<PlannedFile>& pla
 
 void write_objects(const SegmentResult& result, const std::vector<PlannedFile>& plan) {
   const SegmentSettings& settings = result.settings;
+  if (settings.output_mesh) {
+    write_mesh(*settings.output_mesh, merged_mesh(result.objects), mesh_format_of_path(*settings.output_mesh));
+  }
   for (const auto& object : result.objects) {
     const int label = result.writes_labels() ? object.label : 0;
     if (settings.writes("mesh")) write_mesh(path_of(plan, "mesh", label), object.mesh, settings.mesh_format);
@@ -192,6 +201,14 @@ std::vector<PlannedFile> checked_plan(const SegmentSettings& settings, const std
   return plan;
 }
 
+std::vector<fs::path> output_folders(const SegmentSettings& settings) {
+  std::vector<fs::path> folders{settings.output};
+  for (const auto& file : {settings.output_mask, settings.output_mesh}) {
+    if (file) folders.push_back(file->parent_path());
+  }
+  return folders;
+}
+
 TraceFiles trace_files(const SegmentSettings& settings) {
   return {*settings.trace, stem_of(settings), settings.mesh_format, settings.mesh_density};
 }
@@ -216,7 +233,7 @@ void check_early(const SegmentSettings& settings) {
   }
   check_seed_files(settings);
   std::vector<int> labels;
-  for (std::size_t i = 0; i < settings.seed_spheres.size(); ++i) labels.push_back(static_cast<int>(i) + 1);
+  for (std::size_t i = 0; i < settings.all_seed_spheres().size(); ++i) labels.push_back(static_cast<int>(i) + 1);
   if (settings.seeds_file) {
     for (const auto& row : read_seed_table(*settings.seeds_file)) {
       labels.push_back(row.label.value_or(static_cast<int>(labels.size()) + 1));
@@ -370,8 +387,9 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
 
   clock.start("write");
   tell(0.9, "writing");
-  create_folder(settings.output);
+  for (const fs::path& folder : output_folders(settings)) create_folder(folder);
   write_maps(result, plan, maps);
+  if (settings.output_mask) write_mask(*settings.output_mask, result, maps);
   write_objects(result, plan);
   if (settings.trace) {
     const auto written = write_traces(result);
@@ -382,6 +400,9 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
     tell(0.95, "drawing");
     write_qc_picture(path_of(plan, "qc"), volume.image,
                      settings.wants_many() ? overview(result.objects) : result.objects, stem_of(settings));
+  }
+  if (settings.writes("convergence")) {
+    write_convergence_picture(path_of(plan, "convergence"), result.objects, stem_of(settings));
   }
   clock.start("provenance");
   collect_hashes(settings, hashes, result);

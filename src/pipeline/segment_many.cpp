@@ -151,6 +151,8 @@ double z_extent(const std::vector<ObjectResult>& objects) {
   return std::accumulate(ratios.begin(), ratios.end(), 0.0) / static_cast<double>(ratios.size());
 }
 
+}  // namespace
+
 TriangleMesh merged_mesh(const std::vector<ObjectResult>& objects) {
   TriangleMesh all;
   for (const ObjectResult& object : objects) {
@@ -161,8 +163,6 @@ TriangleMesh merged_mesh(const std::vector<ObjectResult>& objects) {
   }
   return all;
 }
-
-}  // namespace
 
 void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, const RunContext& context,
                       SegmentResult& result) {

@@ -17,6 +17,9 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
 /// voxel, at most 3000. \param fraction filled when it has the labels' grid.
 Image<std::uint16_t> measure_many(SegmentResult& result, const ImageGrid& grid, Image<float>& fraction);
 
+/// All objects' meshes as one.
+TriangleMesh merged_mesh(const std::vector<ObjectResult>& objects);
+
 /// Signed distance to the nearest of all surfaces, mm, negative inside.
 Image<float> distance_to_all(const std::vector<ObjectResult>& objects, const ImageGrid& grid);
 

@@ -21,7 +21,7 @@ struct Label {
 };
 
 SettingKey key_from(const Label& label, SettingKind kind) {
-  return {label.name, label.short_flag, label.group, label.placeholder, label.help, kind, {}, {}};
+  return {label.name, label.short_flag, label.group, label.placeholder, label.help, kind, false, {}, {}};
 }
 
 std::string text_of(double value) {
@@ -86,6 +86,8 @@ SettingKey optional_enum_key(const Label& label, F field) {
 template <class F>
 SettingKey number_key(const Label& label, F field) {
   SettingKey key = key_from(label, SettingKind::number);
+  using Number = std::decay_t<decltype(field(std::declval<SegmentSettings&>()))>;
+  key.whole = std::is_same_v<Number, int> || std::is_same_v<Number, std::optional<int>>;
   key.set = [field](SegmentSettings& s, const Values& v, const std::string& where) {
     using T = std::decay_t<decltype(field(s))>;
     if constexpr (std::is_same_v<T, int> || std::is_same_v<T, std::optional<int>>) {
@@ -134,6 +136,26 @@ SettingKey seed_sphere_key() {
   return key;
 }
 
+SettingKey seed_point_key() {
+  SettingKey key = key_from({"Seed", "seed-point", "X,Y,Z",
+                             "start sphere of radius --seed-radius; coordinates as --coords says; repeat for several "
+                             "objects"},
+                            SettingKind::vectors);
+  key.set = [](SegmentSettings& s, const Values& v, const std::string& where) {
+    s.seed_points.clear();
+    for (const auto& one : v) {
+      const auto n = numbers_of(split_commas(one), 3, where);
+      s.seed_points.push_back({n[0], n[1], n[2]});
+    }
+  };
+  key.get = [](const SegmentSettings& s) {
+    Values values;
+    for (const auto& x : s.seed_points) values.push_back(fmt::format("{},{},{}", x[0], x[1], x[2]));
+    return values;
+  };
+  return key;
+}
+
 SettingKey spacing_key() {
   SettingKey key =
       key_from({"Input", "spacing", "X,Y,Z", "voxel size in mm, instead of the file's"}, SettingKind::vector);
@@ -176,7 +198,8 @@ SettingKey model_key() {
 }
 
 SettingKey write_key() {
-  SettingKey key = key_from({"Outputs", "write", "LIST", "of mask,mesh,model,report,qc,sdf,prob"}, SettingKind::words);
+  SettingKey key =
+      key_from({"Outputs", "write", "LIST", "of mask,mesh,model,report,qc,convergence,sdf,prob"}, SettingKind::words);
   key.set = [](SegmentSettings& s, const Values& v, const std::string&) { s.write = v; };
   key.get = [](const SegmentSettings& s) { return s.write; };
   return key;
@@ -184,15 +207,17 @@ SettingKey write_key() {
 
 SettingKey energy_key() {
   SettingKey key = key_from({"Energies", "energy", "NAME=WEIGHT",
-                             "weight of one energy in every stage; repeat; '--energy list' explains each"},
+                             "weight of one energy in every stage; repeat, or A=1,B=2; '--energy list' explains each"},
                             SettingKind::table);
   key.set = [](SegmentSettings& s, const Values& v, const std::string& where) {
-    for (const auto& one : v) {
-      const auto equals = one.find('=');
-      if (equals == std::string::npos || equals == 0) {
-        throw UsageError(fmt::format("bad value ({}): '{}' is not NAME=WEIGHT; see --energy list", where, one));
+    for (const auto& word : v) {
+      for (const auto& one : split_commas(word)) {
+        const auto equals = one.find('=');
+        if (equals == std::string::npos || equals == 0) {
+          throw UsageError(fmt::format("bad value ({}): '{}' is not NAME=WEIGHT; see --energy list", where, one));
+        }
+        s.fit.energies[one.substr(0, equals)] = number_of(one.substr(equals + 1), where);
       }
-      s.fit.energies[one.substr(0, equals)] = number_of(one.substr(equals + 1), where);
     }
   };
   key.get = [](const SegmentSettings& s) {
@@ -217,6 +242,8 @@ void add_input_and_seed(std::vector<SettingKey>& keys) {
       FIELD(input)));
   keys.push_back(spacing_key());
   keys.push_back(seed_sphere_key());
+  keys.push_back(seed_point_key());
+  keys.push_back(number_key({"Seed", "seed-radius", "MM", "radius of every --seed-point, mm"}, FIELD(seed_radius)));
   keys.push_back(path_key({"Seed", "seeds", "FILE.csv", "columns x,y,z,r[,label[,name]], in the frame of --coords"},
                           FIELD(seeds_file)));
   keys.push_back(
@@ -314,6 +341,13 @@ void add_outputs_and_run(std::vector<SettingKey>& keys) {
                           FIELD(trace)));
   keys.push_back(
       number_key({"Outputs", "trace-every", "N", "steps between two meshes of --trace"}, FIELD(trace_every)));
+  keys.push_back(
+      path_key({"Outputs", "output-mask", "FILE.nii.gz",
+                "also write the mask, or the label map of several objects, to this file; -o is not needed then"},
+               FIELD(output_mask)));
+  keys.push_back(path_key({"Outputs", "output-mesh", "FILE",
+                           "also write the mesh, of several objects as one, to this file: .ply .stl .obj .vtp .gii"},
+                          FIELD(output_mesh)));
   keys.push_back(flag_key({"Outputs", "overwrite", "", "replace files that exist"}, FIELD(overwrite)));
   keys.push_back(number_key({"Run", "threads", "N", "threads; 0: all. The results are the same bytes for every N"},
                             FIELD(threads)));
@@ -322,6 +356,8 @@ void add_outputs_and_run(std::vector<SettingKey>& keys) {
   keys.push_back(flag_key({"Run", "verbose", "", "tell what is going on", "-v"}, FIELD(verbose)));
   keys.push_back(flag_key({"Run", "log-json", "", "logs as one JSON object a line"}, FIELD(log_json)));
   keys.push_back(flag_key({"Run", "no-progress", "", "no progress bar"}, FIELD(no_progress)));
+  keys.push_back(
+      flag_key({"Run", "progress-xml", "", "progress on stdout as 3D Slicer reads it"}, FIELD(progress_xml)));
 }
 
 #undef FIELD

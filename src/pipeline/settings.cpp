@@ -12,7 +12,13 @@ namespace pellicle {
 namespace fs = std::filesystem;
 
 bool SegmentSettings::writes(const std::string& kind) const {
-  return std::find(write.begin(), write.end(), kind) != write.end();
+  return !output.empty() && std::find(write.begin(), write.end(), kind) != write.end();
+}
+
+std::vector<std::array<double, 4>> SegmentSettings::all_seed_spheres() const {
+  std::vector<std::array<double, 4>> all = seed_spheres;
+  for (const auto& x : seed_points) all.push_back({x[0], x[1], x[2], seed_radius});
+  return all;
 }
 
 ModelKind SegmentSettings::model_kind() const {
@@ -26,14 +32,16 @@ namespace {
 }
 
 void validate_seeds(const SegmentSettings& s) {
-  const int kinds = static_cast<int>(!s.seed_spheres.empty() || s.seeds_file) +
+  const int kinds = static_cast<int>(!s.seed_spheres.empty() || !s.seed_points.empty() || s.seeds_file) +
                     static_cast<int>(s.seed_mask.has_value()) + static_cast<int>(s.seed_model.has_value()) +
                     static_cast<int>(s.seed_auto);
   if (kinds > 1) {
     throw UsageError(
-        "conflicting flags (--seed-*): spheres (--seed-sphere, --seeds), --seed-mask, --seed-model and --seed-auto "
+        "conflicting flags (--seed-*): spheres (--seed-sphere, --seed-point, --seeds), --seed-mask, --seed-model and "
+        "--seed-auto "
         "exclude each other; keep one kind");
   }
+  if (!(s.seed_radius > 0.0)) refuse("seed-radius", fmt::format("{}", s.seed_radius), "must be above 0 mm");
   for (const auto& sphere : s.seed_spheres) {
     if (!(sphere[3] > 0.0)) {
       refuse("seed-sphere", fmt::format("{},{},{},{}", sphere[0], sphere[1], sphere[2], sphere[3]),
@@ -70,17 +78,22 @@ void validate_fit(const SegmentSettings& s) {
 }
 
 void validate_outputs(const SegmentSettings& s) {
-  static const std::vector<std::string> kinds{"mask", "mesh", "model", "report", "qc", "sdf", "prob"};
+  static const std::vector<std::string> kinds{"mask", "mesh", "model", "report", "qc", "convergence", "sdf", "prob"};
   if (s.write.empty())
-    refuse("write", "", "the list is empty; name at least one of mask, mesh, model, report, qc, sdf, prob");
+    refuse("write", "",
+           "the list is empty; name at least one of mask, mesh, model, report, qc, convergence, sdf, prob");
   for (const auto& kind : s.write) {
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-      refuse("write", kind, "no such output; choose from mask, mesh, model, report, qc, sdf, prob");
+      refuse("write", kind, "no such output; choose from mask, mesh, model, report, qc, convergence, sdf, prob");
     }
   }
   if (s.mesh_density && (*s.mesh_density < 0 || *s.mesh_density > 7)) {
     refuse("mesh-density", fmt::format("{}", *s.mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
   }
+  if (s.output_mask && !s.output_mask->string().ends_with(".nii") && !s.output_mask->string().ends_with(".nii.gz")) {
+    refuse("output-mask", s.output_mask->string(), "masks are NIfTI: the name must end in .nii or .nii.gz");
+  }
+  if (s.output_mesh) static_cast<void>(mesh_format_of_path(*s.output_mesh));
   if (s.trace && s.trace->empty()) refuse("trace", "", "name a folder");
   if (s.trace_every < 1) refuse("trace-every", fmt::format("{}", s.trace_every), "must be 1 or more");
   if (s.name.find('/') != std::string::npos || s.name == "." || s.name == "..") {
@@ -92,7 +105,9 @@ void validate_outputs(const SegmentSettings& s) {
 
 void SegmentSettings::validate() const {
   if (input.empty()) throw UsageError("missing flag (-i): no input volume; give -i VOLUME");
-  if (output.empty()) throw UsageError("missing flag (-o): no output folder; give -o DIR");
+  if (output.empty() && !output_mask && !output_mesh) {
+    throw UsageError("missing flag (-o): no output folder; give -o DIR, or --output-mask or --output-mesh with a file");
+  }
   validate_values();
 }
 

@@ -25,6 +25,8 @@ struct SegmentSettings {
   std::filesystem::path input, output;
   std::string name;                                 ///< file stem; empty: the input's name without its extensions
   std::vector<std::array<double, 4>> seed_spheres;  ///< x, y, z in `coords`, radius in mm
+  std::vector<std::array<double, 3>> seed_points;   ///< x, y, z in `coords`: spheres of `seed_radius`
+  double seed_radius = 5.0;                         ///< of `seed_points`, mm
   std::optional<std::filesystem::path> seeds_file;  ///< CSV: x,y,z,r[,label[,name]], in `coords`
   std::optional<std::string> seed_mask;             ///< FILE[:LABEL]
   std::optional<std::filesystem::path> seed_model;
@@ -44,11 +46,15 @@ struct SegmentSettings {
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
   std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: half the mean spacing
-  int threads = 0;                  ///< 0: all
+  std::optional<std::filesystem::path> output_mask, output_mesh;  ///< these files, wherever; `output` may be empty then
+  int threads = 0;                                                ///< 0: all
   bool overwrite = false, dry_run = false;
-  bool quiet = false, log_json = false, no_progress = false, verbose = false;
+  bool quiet = false, log_json = false, no_progress = false, verbose = false, progress_xml = false;
 
+  /// Whether the output folder gets this kind; false for all when there is no folder.
   bool writes(const std::string& kind) const;
+  /// `seed_spheres`, then `seed_points`.
+  std::vector<std::array<double, 4>> all_seed_spheres() const;
   /// `model` or, for many objects, Catmull-Clark, else the normal model.
   ModelKind model_kind() const;
   /// Whether several objects are asked for, so that a label map is written however many there are.
@@ -82,6 +88,7 @@ struct SettingKey {
   std::string placeholder;  ///< "X,Y,Z,R"
   std::string help;         ///< with unit and default
   SettingKind kind = SettingKind::text;
+  bool whole = false;  ///< of a number: an integer
   /// \param where is named in the error. \throws UsageError.
   std::function<void(SegmentSettings&, const SettingValues&, const std::string& where)> set;
   std::function<SettingValues(const SegmentSettings&)> get;  ///< empty: not set

@@ -61,19 +61,21 @@ bool python_has_nibabel() {
 
 TEST_F(Segment, WritesEverythingThatIsAskedForAndItReadsBack) {
   const Scratch scratch;
-  const Outcome outcome =
-      run(command(scratch, {"--seed-sphere", "1,-2,0.5,4", "--write", "mask,mesh,model,report,qc,sdf,prob"}), scratch);
+  const Outcome outcome = run(
+      command(scratch, {"--seed-sphere", "1,-2,0.5,4", "--write", "mask,mesh,model,report,qc,convergence,sdf,prob"}),
+      scratch);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(line_count(outcome.out), 1);
   EXPECT_THAT(outcome.out, testing::MatchesRegex("1 [0-9.]+ ok [0-9.]+\n"));
   EXPECT_THAT(files_in(scratch / "out"),
               testing::UnorderedElementsAre("egg_mask.nii.gz", "egg_surface.ply", "egg_model.json", "egg_report.json",
-                                            "egg_qc.png", "egg_sdf.nii.gz", "egg_prob.nii.gz"));
+                                            "egg_qc.png", "egg_convergence.png", "egg_sdf.nii.gz", "egg_prob.nii.gz"));
   EXPECT_GT(dice(scratch, (*data_)("egg_truth.json"), scratch("out/egg_mask.nii.gz")), 0.95);
   EXPECT_GT(dice(scratch, (*data_)("egg_truth.json"), scratch("out/egg_surface.ply")), 0.95);
   EXPECT_GT(dice(scratch, (*data_)("egg_truth.nii.gz"), scratch("out/egg_model.json")), 0.95);
   EXPECT_EQ(read_text(scratch / "out/egg_qc.png").substr(1, 3), "PNG");
+  EXPECT_EQ(read_text(scratch / "out/egg_convergence.png").substr(1, 3), "PNG");
   if (!python_has_nibabel()) GTEST_SKIP() << "python3-nibabel is not installed";
   const std::string check = std::string("/usr/bin/python3 ") + PELLICLE_SOURCE_DIR + "/tests/cli/check_outputs.py " +
                             (*data_)("egg.nii.gz") + " " + scratch("out") + " egg " + PELLICLE_SOURCE_DIR +
@@ -143,6 +145,30 @@ TEST_F(Segment, SeveralObjectsGetLabelsTableAndNumberedFiles) {
   // Both seeds lie in the one egg: nearly all voxels of either are claimed by both.
   EXPECT_GT(report["objects"][1]["overlap_voxels"].get<int>(), 500);
   EXPECT_EQ(report["objects"][0]["overlap_voxels"], report["objects"][1]["overlap_voxels"]);
+}
+
+TEST_F(Segment, FilesOfOwnNamesNeedNoFolderAndHoldTheSame) {
+  const Scratch scratch;
+  const std::vector<std::string> own{"--output-mask", scratch("there/m.nii.gz"), "--output-mesh",
+                                     scratch("there/m.vtp")};
+  auto both = command(scratch, {"--seed-point", "1,-2,0.5", "--seed-radius", "4", "--mesh-format", "vtp"});
+  both.insert(both.end(), own.begin(), own.end());
+  const Outcome first = run(both, scratch);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const std::string mask = read_text(scratch / "there/m.nii.gz");
+  EXPECT_EQ(mask, read_text(scratch / "out/egg_mask.nii.gz"));
+  EXPECT_EQ(read_text(scratch / "there/m.vtp"), read_text(scratch / "out/egg_surface.vtp"));
+  // A point with its radius is a sphere. Without a folder nothing else is written; nothing is replaced unasked.
+  std::vector<std::string> alone{"segment", "-i", (*data_)("egg.nii.gz"), "--seed-sphere", "1,-2,0.5,4"};
+  alone.insert(alone.end(), own.begin(), own.end());
+  EXPECT_EQ(run(alone, scratch).exit_code, 73);
+  fs::remove_all(scratch / "there");
+  fs::remove_all(scratch / "out");
+  const Outcome second = run(alone, scratch);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(read_text(scratch / "there/m.nii.gz"), mask);
+  EXPECT_THAT(files_in(scratch / "there"), testing::UnorderedElementsAre("m.nii.gz", "m.vtp"));
+  EXPECT_FALSE(fs::exists(scratch / "out"));
 }
 
 TEST_F(Segment, NothingIsReplacedWithoutBeingAskedTo) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
+#include "pellicle/pipeline/convergence_picture.h"
 #include "pellicle/pipeline/font.h"
 #include "pellicle/pipeline/report.h"
 #include "pellicle/pipeline/seeding.h"
@@ -146,6 +148,72 @@ TEST(SignedDistance, OfABallIsThatOfABall) {
   EXPECT_LE(worst_near, 0.01);  // chords of the tessellation
   EXPECT_GT(worst_far, 0.0);
   EXPECT_LE(worst_far, 0.01);
+}
+
+TEST(CountTicks, AreRoundEvenAndFew) {
+  for (const double high : {1.5, 7.5, 33.5, 120.5, 4711.5}) {
+    const auto ticks = count_ticks(0.5, high, 12);
+    ASSERT_FALSE(ticks.empty()) << high;
+    EXPECT_LE(ticks.size(), 13U) << high;
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      EXPECT_EQ(ticks[i], std::round(ticks[i]));
+      EXPECT_TRUE(ticks[i] >= 0.5 && ticks[i] <= high);
+      if (i > 1) {
+        EXPECT_EQ(ticks[i] - ticks[i - 1], ticks[1] - ticks[0]) << high;
+      }
+    }
+  }
+}
+
+TEST(Convergence, CurvesAreTheEnergiesAndBreakBetweenStages) {
+  StageSummary first, none, second;
+  first.name = "coarse";
+  first.history = {{0.5, {{"edge", 4.0}, {"bending", 1.0}}}, {0.2, {{"edge", 2.0}, {"bending", 0.5}}}};
+  second.name = "fine";
+  second.history = {{0.1, {{"edge", 9.0}}}};
+  FitSummary fit;
+  fit.stages = {first, none, second};
+  const LogPlot plot = convergence_of(fit, "it");
+  ASSERT_EQ(plot.spans.size(), 2U);
+  EXPECT_EQ(plot.spans[0].to, plot.spans[1].from);
+  EXPECT_EQ(plot.spans[1].to - plot.spans[1].from, 1.0);
+  ASSERT_EQ(plot.curves.size(), 3U);
+  std::map<std::string, std::map<double, double>> drawn;
+  for (const auto& curve : plot.curves) {
+    double last_step = 0.0;
+    for (const auto& p : curve.points) {
+      if (std::isfinite(p.y())) drawn[curve.name][p.x()] = p.y();
+      if (std::isfinite(p.y()) && p.x() == 3.0) {
+        EXPECT_EQ(last_step, 2.5);  // a gap at the stage's start
+      }
+      last_step = p.x();
+    }
+  }
+  EXPECT_EQ(drawn["edge"], (std::map<double, double>{{1, 4}, {2, 2}, {3, 9}}));
+  EXPECT_EQ(drawn["bending"], (std::map<double, double>{{1, 1}, {2, 0.5}}));
+  EXPECT_EQ(drawn["sum"], (std::map<double, double>{{1, 5}, {2, 2.5}, {3, 9}}));
+}
+
+TEST(Convergence, ThePlotHoldsEveryCurveAndItsGaps) {
+  LogPlot plot{"t", "step", "e", {}, true, {{"a", 0.5, 2.5}, {"b", 2.5, 4.5}}};
+  const Rgb red{255, 0, 0};
+  const double gap = std::nan("");
+  plot.curves = {{"c", red, {{1, 10}, {2, 10}, {2.5, gap}, {3, 10}, {4, 10}}}};
+  const auto columns = [&](const LogPlot& one) {
+    const Canvas canvas = draw_log_plot(one, 600, 400);
+    int count = 0;
+    for (int x = 115; x < 565; ++x) {  // below the key
+      bool hit = false;
+      for (int y = 150; y < 320; ++y) hit = hit || canvas.pixels[static_cast<std::size_t>(y * 600 + x)] == red;
+      count += hit ? 1 : 0;
+    }
+    return count;
+  };
+  const int with_gap = columns(plot);
+  plot.curves[0].points.erase(plot.curves[0].points.begin() + 2);
+  const int without = columns(plot);
+  EXPECT_GT(with_gap, 200);
+  EXPECT_GT(without, with_gap + 80);  // a step is 115 pixels wide
 }
 
 TEST(Font, PrintableCharactersDiffer) {

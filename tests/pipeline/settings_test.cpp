@@ -23,6 +23,10 @@ SegmentSettings random_settings(RandomEngine& random) {
   s.output = "out";
   s.name = "stem";
   for (int i = 0; i < 3; ++i) s.seed_spheres.push_back({awkward(random), awkward(random), awkward(random), 1.0 / 3.0});
+  s.seed_points = {{awkward(random), awkward(random), awkward(random)}};
+  s.seed_radius = 0.1 + 0.2;
+  s.output_mask = "m.nii.gz";
+  s.output_mesh = "m.vtp";
   s.seeds_file = "seeds.csv";
   s.coords = Coords::ijk;
   s.spacing = Vec3(0.1, 1.0 / 3.0, 1e-7);
@@ -72,6 +76,9 @@ TEST(Settings, TomlRoundTripIsExact) {
     EXPECT_EQ(toml_of(after), text);
     ASSERT_EQ(after.seed_spheres.size(), before.seed_spheres.size());
     EXPECT_EQ(after.seed_spheres, before.seed_spheres);  // to the last bit
+    EXPECT_EQ(after.seed_points, before.seed_points);
+    EXPECT_EQ(after.seed_radius, before.seed_radius);
+    EXPECT_EQ(after.output_mesh, before.output_mesh);
     EXPECT_EQ(after.fit.energies, before.fit.energies);
     EXPECT_EQ(after.fit.smoothing_mm, before.fit.smoothing_mm);
     ASSERT_EQ(after.fit.stages.size(), 2U);
