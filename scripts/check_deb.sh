@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the Debian package, installs it with what it depends on into a fresh Debian 12 (debootstrap, some hundred MB from
-# the mirror) and extracts the brain of the demo there. Needs root, debootstrap and dpkg-dev.
+# the mirror that debootstrap knows, or MIRROR) and extracts the brain of the demo there. Needs root, debootstrap and dpkg-dev.
 #   scripts/check_deb.sh [FOLDER]      default: a temporary one, removed afterwards; SKIP_BUILD=1 packs what is built
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -8,7 +8,6 @@ cd "$(dirname "$0")/.."
 for tool in debootstrap dpkg-shlibdeps; do
   command -v "$tool" >/dev/null || { echo "$tool is missing: apt-get install debootstrap dpkg-dev" >&2; exit 1; }
 done
-mirror=${MIRROR:-http://deb.debian.org/debian}
 folder=${1:-}
 scratch=
 [ -n "$folder" ] || scratch=$(mktemp -d)
@@ -30,7 +29,7 @@ dpkg-deb --field "$package" Package Version Architecture Depends Description
 dpkg-deb --contents "$package" | awk '!/\/$/ {print $3, $6}'
 
 echo "--- a fresh Debian 12"
-[ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" >"$folder/debootstrap.log"
+[ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" ${MIRROR:+"$MIRROR"} >"$folder/debootstrap.log"
 cat "$root/etc/debian_version"
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc" # as every running system has it
 for file in resolv.conf apt/apt.conf; do [ -e "/etc/$file" ] && cp -L "/etc/$file" "$root/etc/$file"; done
