@@ -27,17 +27,31 @@ void write(Canvas& canvas, int x, int y, const std::string& text, Rgb color) {
   }
 }
 
-bool drawable(const Vec2& p) {
-  return std::isfinite(p.x()) && std::isfinite(p.y()) && p.x() > 0.0 && p.y() > 0.0;
+bool drawable(const Vec2& p, PlotScale scale) {
+  return std::isfinite(p.x()) && std::isfinite(p.y()) && (scale == PlotScale::linear || (p.x() > 0.0 && p.y() > 0.0));
 }
 
-/// A logarithmic axis onto pixels.
+/// An axis onto pixels.
 struct Axis {
+  PlotScale scale = PlotScale::logarithmic;
   double low = 1.0, high = 10.0, from = 0.0, to = 1.0;
-  double at(double value) const { return from + (to - from) * std::log(value / low) / std::log(high / low); }
+  double at(double value) const {
+    const double share =
+        scale == PlotScale::linear ? (value - low) / (high - low) : std::log(value / low) / std::log(high / low);
+    return from + (to - from) * share;
+  }
+  std::vector<double> ticks() const {
+    return scale == PlotScale::linear ? linear_ticks(low, high) : log_ticks(low, high);
+  }
 };
 
 void widen(double low, double high, Axis& axis) {
+  if (axis.scale == PlotScale::linear) {
+    const double margin = high > low ? 0.05 * (high - low) : std::max(0.5 * std::abs(low), 0.5);
+    axis.low = low - margin;
+    axis.high = high + margin;
+    return;
+  }
   // A sixth of the range on both sides, and never less than a factor of two in all.
   const double margin = std::max(std::pow(high / low, 0.08), std::sqrt(2.0));
   axis.low = low / margin;
@@ -57,14 +71,23 @@ std::vector<double> log_ticks(double low, double high) {
   return ticks;
 }
 
-Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
+std::vector<double> linear_ticks(double low, double high) {
+  const double rough = (high - low) / 5.0, power = std::pow(10.0, std::floor(std::log10(rough)));
+  const double step = power * (rough < 2.0 * power ? 1.0 : rough < 5.0 * power ? 2.0 : 5.0);
+  std::vector<double> ticks;
+  for (double n = std::ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1.0)
+    ticks.push_back(n * step + 0.0);
+  return ticks;
+}
+
+Canvas draw_line_plot(const LinePlot& plot, int width, int height) {
   Canvas canvas(width, height, paper);
-  Axis x, y;
+  Axis x{.scale = plot.scale}, y{.scale = plot.scale};
   bool any = false;
   double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;
   for (const PlotCurve& curve : plot.curves) {
     for (const Vec2& p : curve.points) {
-      if (!drawable(p)) continue;
+      if (!drawable(p, plot.scale)) continue;
       x0 = any ? std::min(x0, p.x()) : p.x();
       x1 = any ? std::max(x1, p.x()) : p.x();
       y0 = any ? std::min(y0, p.y()) : p.y();
@@ -73,21 +96,23 @@ Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
     }
   }
   if (any) {
+    if (plot.scale == PlotScale::linear && y0 > 0.0) y0 = 0.0;
     widen(x0, x1, x);
     widen(y0, y1, y);
+    if (plot.scale == PlotScale::linear && y0 == 0.0) y.low = 0.0;
   }
   const int left = 110, right = width - 30, top = 70, bottom = height - 80;
   x.from = left;
   x.to = right;
   y.from = bottom;
   y.to = top;
-  for (const double tick : log_ticks(x.low, x.high)) {
+  for (const double tick : x.ticks()) {
     const double at = x.at(tick);
     draw_line(canvas, {at, top}, {at, bottom}, 1.0, grid_color);
     const std::string text = fmt::format("{:.6g}", tick);
     write(canvas, static_cast<int>(at) - text_width(text, text_scale) / 2, bottom + 12, text, ink);
   }
-  for (const double tick : log_ticks(y.low, y.high)) {
+  for (const double tick : y.ticks()) {
     const double at = y.at(tick);
     draw_line(canvas, {left, at}, {right, at}, 1.0, grid_color);
     const std::string text = fmt::format("{:.6g}", tick);
@@ -102,7 +127,7 @@ Canvas draw_log_plot(const LogPlot& plot, int width, int height) {
   for (const PlotCurve& curve : plot.curves) {
     const Vec2* before = nullptr;
     for (const Vec2& p : curve.points) {
-      if (!drawable(p)) continue;
+      if (!drawable(p, plot.scale)) continue;
       const Vec2 here(x.at(p.x()), y.at(p.y()));
       if (before != nullptr) draw_line(canvas, {x.at(before->x()), y.at(before->y())}, here, 2.5, curve.color);
       draw_line(canvas, here, here, 9.0, curve.color);
