@@ -32,6 +32,9 @@ void Console::configure(const ConsoleOptions& options) {
 void Console::inform(const std::string& message) {
   log(spdlog::level::info, "info", message);
 }
+void Console::notice(const std::string& message) {
+  log(spdlog::level::warn, "note", message);
+}
 void Console::warn(const std::string& message) {
   log(spdlog::level::warn, "warning", message);
 }

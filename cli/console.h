@@ -28,6 +28,8 @@ class Console {
 
   void configure(const ConsoleOptions& options);
   void inform(const std::string& message);
+  /// What a user should know though nothing is wrong.
+  void notice(const std::string& message);
   void warn(const std::string& message);
   /// `pellicle: error: MESSAGE`, line breaks turned into spaces.
   void error(const std::string& message);

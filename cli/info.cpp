@@ -35,12 +35,18 @@ json volume_info(const InfoFlags& flags, Console& console) {
     const auto n = three_numbers(flags.spacing, "--spacing " + flags.spacing);
     options.spacing = Vec3{n[0], n[1], n[2]};
   }
+  options.frame = 0;
   const Volume volume = read_volume(flags.file, options);
   json out = json_of(volume.header.grid);
   out["format"] = volume.header.format;
   out["component_type"] = volume.header.component_type;
   out["unit"] = volume.header.unit;
   out["spacing_known"] = volume.header.spacing_known;
+  if (volume.header.frames > 1) {
+    out["frames"] = volume.header.frames;
+    out["frame_step"] = volume.header.frame_step;
+    out["frame_unit"] = volume.header.frame_unit;
+  }
   out["slope"] = volume.header.slope;
   out["intercept"] = volume.header.intercept;
   out["min"] = volume.min;

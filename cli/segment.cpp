@@ -10,8 +10,10 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/many.h"
 #include "pellicle/pipeline/boutiques_description.h"
-#include "pellicle/pipeline/presets.h"
+#include "pellicle/pipeline/preset_choice.h"
+#include "pellicle/pipeline/seed_preview.h"
 #include "pellicle/pipeline/segment.h"
+#include "pellicle/pipeline/segment_series.h"
 #include "pellicle/pipeline/settings_toml.h"
 #include "pellicle/pipeline/slicer_description.h"
 #include "slicer_progress.h"
@@ -77,12 +79,19 @@ void apply_typed(const SettingKey& key, const std::vector<std::string>& values, 
 }
 
 // Defaults, then the preset, then the file of --config, then the command line.
-SegmentSettings resolve(const Typed& typed) {
+SegmentSettings resolve(const Typed& typed, std::optional<PresetChoice>& choice) {
   const auto& keys = segment_keys();
   SegmentSettings settings, commanded;
   for (std::size_t i = 0; i < keys.size(); ++i) apply_typed(keys[i], typed.values[i], commanded);
   std::string preset = commanded.preset;
   if (preset.empty() && !typed.config.empty()) preset = read_toml_notes(typed.config).preset;
+  if (preset == "auto") {
+    SegmentSettings known;
+    if (!typed.config.empty()) apply_toml_file(typed.config, known);
+    for (std::size_t i = 0; i < keys.size(); ++i) apply_typed(keys[i], typed.values[i], known);
+    choice = choose_preset_for(known);
+    preset = choice->name;
+  }
   if (!preset.empty()) {
     apply_toml_file(find_preset(preset), settings);
     if (!settings.preset.empty()) {
@@ -130,6 +139,27 @@ void print_dry_run(const SegmentSettings& settings) {
   for (std::string line; std::getline(lines, line);) std::cout << fmt::format("# {}", line) << "\n";
 }
 
+// Comments again, so that all of it is still a settings file.
+void print_preview(const SegmentSettings& settings, Console& console) {
+  RunContext context;
+  context.warn = [&](const std::string& message) { console.warn(message); };
+  const SeedPreview preview = preview_seeds(settings, context);
+  std::cout << "\n# What a run would do; the seeds are drawn in " << preview.picture.string() << "\n";
+  for (const std::string& line : preview.lines) std::cout << "# " << line << "\n";
+}
+
+// A line an object and frame, in the order of the frames.
+int run_series(const SegmentSettings& settings, const RunContext& context, Console& console) {
+  const SeriesResult series = segment_series(settings, context);
+  for (const SeriesRow& row : series.rows) {
+    std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", row.label, row.volume_ml, to_string(row.status), row.seconds);
+    if (row.status != FitStatus::ok) {
+      console.warn(fmt::format("{} ({}, frame {}): {}", to_string(row.status), row.name, row.frame, row.reason));
+    }
+  }
+  return series.exit_code;
+}
+
 int run_segment(const Typed& typed, const std::vector<std::string>& command_line, Console& console) {
   if (typed.slicer || typed.boutiques) {
     std::cout << (typed.slicer ? slicer_description() : boutiques_description().dump(2) + "\n");
@@ -143,21 +173,30 @@ int run_segment(const Typed& typed, const std::vector<std::string>& command_line
     print_energies();
     return 0;
   }
-  const SegmentSettings settings = resolve(typed);
+  std::optional<PresetChoice> choice;
+  const SegmentSettings settings = resolve(typed, choice);
   console.configure({settings.quiet, settings.verbose, settings.log_json, settings.no_progress});
+  if (choice) {
+    console.notice(fmt::format("--preset auto: {}, because {}",
+                               choice->name.empty() ? "no preset, the defaults" : choice->name, choice->reason));
+  }
   if (settings.dry_run) {
     settings.validate_values();
     print_dry_run(settings);
+    if (!settings.input.empty() && !settings.output.empty()) print_preview(settings, console);
     return 0;
   }
   SlicerProgress slicer(settings.progress_xml);
-  const RunContext context{command_line,
-                           [&](double share, const std::string& what) {
-                             console.progress(share, what);
-                             slicer.tell(share, what);
-                           },
-                           [&](const std::string& message) { console.inform(message); },
-                           [&](const std::string& message) { console.warn(message); }};
+  RunContext context{command_line,
+                     [&](double share, const std::string& what) {
+                       console.progress(share, what);
+                       slicer.tell(share, what);
+                     },
+                     [&](const std::string& message) { console.inform(message); },
+                     [&](const std::string& message) { console.warn(message); }};
+  context.chosen_preset = choice;
+  settings.validate();
+  if (frames_of(settings) > 1) return run_series(settings, context, console);
   const SegmentResult result = segment(settings, context);
   for (const auto& object : result.objects) {
     std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", object.label, object.volume_surface_ml,

@@ -91,7 +91,7 @@ ComponentType component_of(const NiftiHeader& header, const fs::path& path) {
   }
 }
 
-Index3 size_of(const NiftiHeader& header, const fs::path& path) {
+Index3 size_of(const NiftiHeader& header, bool as_series, const fs::path& path) {
   const auto& dim = header.fields.dim;
   if (dim[0] < 1 || dim[0] > 7) {
     throw_bad_volume(path, fmt::format("the header claims {} dimensions", dim[0]),
@@ -114,7 +114,7 @@ Index3 size_of(const NiftiHeader& header, const fs::path& path) {
       throw_bad_volume(path, fmt::format("the header claims an impossible size of {} voxels", shape),
                        "the file is damaged; export it again");
   }
-  if (volumes > 1) {
+  if (volumes > 1 && !(as_series && dim[4] == volumes)) {
     throw_bad_volume(path,
                      fmt::format("{} data of {} voxels: {} volumes in one file",
                                  dim[0] == 4 ? "4D" : fmt::format("{}D", dim[0]), shape, volumes),
@@ -122,6 +122,29 @@ Index3 size_of(const NiftiHeader& header, const fs::path& path) {
   }
   check_size(path, size);
   return {static_cast<int>(size[0]), static_cast<int>(size[1]), static_cast<int>(size[2])};
+}
+
+// The fourth axis. What is known not to be time is refused: its volumes are no states of one object.
+void take_frames(const NiftiHeader& header, int frame, const fs::path& path, VolumeHeader& out) {
+  const auto& dim = header.fields.dim;
+  out.frames = dim[0] >= 4 ? static_cast<int>(std::max<std::int64_t>(1, dim[4])) : 1;
+  if (frame < 0 || frame >= out.frames) {
+    throw_bad_volume(path, fmt::format("there is no frame {}", frame), fmt::format("it has {} of them", out.frames));
+  }
+  if (out.frames == 1) return;
+  const int unit = XYZT_TO_TIME(header.fields.xyzt_units);
+  const double seconds = unit == NIFTI_UNITS_SEC    ? 1.0
+                         : unit == NIFTI_UNITS_MSEC ? 1e-3
+                         : unit == NIFTI_UNITS_USEC ? 1e-6
+                                                    : 0.0;
+  if (seconds == 0.0 && unit != NIFTI_UNITS_UNKNOWN) {
+    throw_bad_volume(path, fmt::format("the fourth axis is no time ({})", nifti_units_string(unit)),
+                     "extract one 3D volume first");
+  }
+  const double step = header.fields.pixdim[4];
+  const bool known = seconds > 0.0 && std::isfinite(step) && step > 0.0;
+  out.frame_step = known ? seconds * step : 1.0;
+  out.frame_unit = known ? "s" : "frame";
 }
 
 void take_scaling(const NiftiHeader& header, VolumeHeader& out) {
@@ -158,7 +181,7 @@ void stream_voxels(GzFile& file, ComponentType type, bool swapped, std::size_t c
 
 }  // namespace
 
-VolumeSource open_nifti(const fs::path& path) {
+VolumeSource open_nifti(const fs::path& path, std::optional<int> frame_number) {
   const NiftiFiles files = find_files(path);
   auto file = std::make_shared<GzFile>(files.header);
   const NiftiHeader header = read_nifti_header(*file, path);
@@ -169,7 +192,8 @@ VolumeSource open_nifti(const fs::path& path) {
   VolumeSource source;
   VolumeHeader& out = source.header;
   out.format = header.version == 0 ? "Analyze 7.5" : header.version == 1 ? "NIfTI-1" : "NIfTI-2";
-  const Index3 size = size_of(header, path);
+  const Index3 size = size_of(header, frame_number.has_value(), path);
+  if (frame_number) take_frames(header, *frame_number, path, out);
   const ComponentType type = component_of(header, path);
   out.component_type = name_of(type);
   const NiftiFrame frame = frame_of(header);
@@ -181,13 +205,15 @@ VolumeSource open_nifti(const fs::path& path) {
   const std::uint64_t offset = voxel_offset(header, path);
   const std::size_t count = out.grid.voxel_count();
   if (!header.single_file) file = std::make_shared<GzFile>(files.voxels);
-  check_claim(path, offset + static_cast<std::uint64_t>(count) * size_in_bytes(type), file->bytes_on_disk(),
+  const std::uint64_t volume_bytes = static_cast<std::uint64_t>(count) * size_in_bytes(type);
+  check_claim(path, offset + static_cast<std::uint64_t>(out.frames) * volume_bytes, file->bytes_on_disk(),
               file->compressed());
   if (has_suffix(path, ".gz") && !file->compressed())
     out.warnings.emplace_back("The file is named .gz but is not gzipped.");
   const std::uint64_t already = header.single_file ? (header.version == 2 ? 540U : 348U) : 0U;
-  source.read_blocks = [file, offset, already, type, count, swapped = header.swapped](const auto& consume) {
-    file->skip(offset - already);
+  const std::uint64_t earlier = static_cast<std::uint64_t>(frame_number.value_or(0)) * volume_bytes;
+  source.read_blocks = [file, offset, already, earlier, type, count, swapped = header.swapped](const auto& consume) {
+    file->skip(offset - already + earlier);
     stream_voxels(*file, type, swapped, count, consume);
   };
   return source;

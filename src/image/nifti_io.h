@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "pellicle/image/voxel_source.h"
 
@@ -28,7 +29,8 @@ struct NiftiFrame {
   std::array<std::array<double, 4>, 3> srow{};
 };
 
+/// \param frame of a time series; without one a file of several volumes is refused.
 /// \throws NoInput, BadData, as read_volume.
-VolumeSource open_nifti(const std::filesystem::path& path);
+VolumeSource open_nifti(const std::filesystem::path& path, std::optional<int> frame);
 
 }  // namespace pellicle

@@ -53,10 +53,10 @@ bool is_dicom(const fs::path& path) {
   return in.read(start.data(), start.size()) && std::memcmp(start.data() + 128, "DICM", 4) == 0;
 }
 
-VolumeSource open_by_kind(const fs::path& path) {
+VolumeSource open_by_kind(const fs::path& path, std::optional<int> frame) {
   switch (kind_by_name(path)) {
     case Kind::nifti:
-      return open_nifti(path);
+      return open_nifti(path, frame);
     case Kind::itk:
       return open_itk_file(path);
     case Kind::tiff:
@@ -77,7 +77,7 @@ VolumeSource open_volume(const fs::path& path, const ReadOptions& options) {
   if (!folder && fs::file_size(path, failure) == 0) {
     throw_bad_volume(path, "the file is empty (zero bytes)", "copy or export it again");
   }
-  VolumeSource source = folder ? open_dicom_series(path) : open_by_kind(path);
+  VolumeSource source = folder ? open_dicom_series(path) : open_by_kind(path, options.frame);
   if (options.spacing) {
     if (!options.spacing->allFinite() || !(options.spacing->minCoeff() > 0.0)) {
       throw UsageError("--spacing must be three positive lengths in mm");
@@ -229,6 +229,12 @@ Volume read_volume(const fs::path& path, const ReadOptions& options) {
 
 VolumeHeader read_header(const fs::path& path, const ReadOptions& options) {
   return open_volume(path, options).header;
+}
+
+int frame_count(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored) || kind_by_name(path) != Kind::nifti) return 1;
+  return read_header(path, {.frame = 0}).frames;
 }
 
 LabelVolume read_labels(const fs::path& path, const ReadOptions& options) {

@@ -20,8 +20,11 @@ struct VolumeHeader {
   std::string format;          ///< "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "TIFF", "DICOM series", ...
   std::string component_type;  ///< as stored: "uint8", "int16", ..., "float64"
   ImageGrid grid;
-  std::string unit;           ///< of length as stored: "mm", "um", "m", "unknown"; the grid is always mm
-  bool spacing_known = true;  ///< false: the file has none and none was given, 1 mm was assumed (with a warning)
+  std::string unit;                  ///< of length as stored: "mm", "um", "m", "unknown"; the grid is always mm
+  bool spacing_known = true;         ///< false: the file has none and none was given, 1 mm was assumed (with a warning)
+  int frames = 1;                    ///< volumes in the file, along the fourth axis; more than 1 only with a frame
+  double frame_step = 0.0;           ///< between them, in frame_unit
+  std::string frame_unit = "frame";  ///< "s", or "frame" when the file does not say
   double slope = 1.0, intercept = 0.0;      ///< already applied to the voxels
   std::vector<std::string> warnings;        ///< one sentence each, for the user
   std::shared_ptr<const NiftiFrame> nifti;  ///< null unless the file was NIfTI
@@ -36,16 +39,21 @@ struct Volume {
 };
 
 struct ReadOptions {
-  std::optional<Vec3> spacing;  ///< overrides the file's, mm (--spacing)
+  std::optional<Vec3> spacing = {};  ///< overrides the file's, mm (--spacing)
+  std::optional<int> frame = {};     ///< of a 4D file, from 0; without it a 4D file is refused
 };
 
 /// Reads a file, or a folder that holds one DICOM series.
-/// \throws NoInput: no such file or folder.  BadData: unreadable, truncated, not 3D, RGB, complex, sheared, singular
+/// \throws NoInput: no such file or folder.  BadData: unreadable, truncated, not 3D (or no time series, or without such
+/// a frame), RGB, complex, sheared, singular
 ///         or absurd header, uneven slices, mixed series, no finite voxel. The message is one line that says which.
 Volume read_volume(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Header only where the format allows it. Same errors as read_volume, except those about voxel values.
 VolumeHeader read_header(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Volumes along the fourth axis of a NIfTI file; 1 for every other file and for none. \throws as read_header.
+int frame_count(const std::filesystem::path& path);
 
 /// A label map or mask; values must be whole numbers. \throws as read_volume; BadData for fractions.
 struct LabelVolume {

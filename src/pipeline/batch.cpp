@@ -107,6 +107,7 @@ class Batch {
   bool files_are_there(const std::string& name) const {
     std::error_code fault;
     const fs::path folder = settings_.output / name, report = folder / (name + "_report.json");
+    if (fs::exists(folder / (name + "_series.png"), fault)) return true;  // the last file of a time series
     if (!fs::exists(report, fault))
       return !writes_report(name) && fs::is_directory(folder, fault) && !fs::is_empty(folder, fault);
     std::ifstream in(report);

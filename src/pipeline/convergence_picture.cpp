@@ -19,8 +19,9 @@ constexpr std::array<Rgb, 7> kCurveColors{
 
 }  // namespace
 
-LogPlot convergence_of(const FitSummary& fit, const std::string& title) {
-  LogPlot plot{title, "step", "energy (mm^2)", {}, true, {}};
+LinePlot convergence_of(const FitSummary& fit, const std::string& title) {
+  LinePlot plot{
+      .title = title, .x_label = "step", .y_label = "energy (mm^2)", .curves = {}, .x_scale = PlotScale::counts};
   std::map<std::string, std::vector<Vec2>> curves;
   std::vector<Vec2> total;
   for (const StageSummary& stage : fit.stages) {
@@ -61,7 +62,7 @@ void write_convergence_picture(const std::filesystem::path& path, const std::vec
   for (std::size_t i = 0; i < count; ++i) {
     std::string title = objects.size() == 1 ? name : fmt::format("{}: {}", name, objects[i].name);
     if (i == 0 && objects.size() > count) title += fmt::format(" (the first {} of {})", count, objects.size());
-    paste(canvas, draw_log_plot(convergence_of(objects[i].fit, title), kPlotWidth, kPlotHeight), 0,
+    paste(canvas, draw_line_plot(convergence_of(objects[i].fit, title), kPlotWidth, kPlotHeight), 0,
           kPlotHeight * static_cast<int>(i));
   }
   write_png(path, canvas);

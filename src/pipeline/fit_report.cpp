@@ -130,7 +130,7 @@ json report_of(const GeometryFitResult& result, const std::vector<std::string>& 
 }
 
 void write_ladder_picture(const std::filesystem::path& path, const GeometryFitResult& result) {
-  LogPlot plot{"residual of " + result.input.file.filename().string(), "control points", "% of the diameter", {}};
+  LinePlot plot{"residual of " + result.input.file.filename().string(), "control points", "% of the diameter", {}};
   plot.curves = {{"max", {214, 96, 77}, {}}, {"95th percentile", {230, 171, 60}, {}}, {"rms", {67, 147, 195}, {}}};
   const double percent = 100.0 / result.input.data.diameter;
   for (const auto& fitted : result.tried) {
@@ -140,7 +140,7 @@ void write_ladder_picture(const std::filesystem::path& path, const GeometryFitRe
     plot.curves[1].points.emplace_back(x, percent * s.to_surface.p95);
     plot.curves[2].points.emplace_back(x, percent * s.to_surface.rms);
   }
-  write_png(path, draw_log_plot(plot, 900, 640));
+  write_png(path, draw_line_plot(plot, 900, 640));
 }
 
 }  // namespace pellicle

@@ -40,6 +40,39 @@ std::vector<PlannedFile> plan_outputs(const SegmentSettings& settings, const std
   return plan;
 }
 
+namespace {
+
+// STEM_surface-NNN.EXT of any mesh format, or STEM_model-NNN.json.
+bool is_numbered(const std::string& name, const std::string& stem) {
+  for (const std::string kind : {"_surface-", "_model-"}) {
+    if (name.rfind(stem + kind, 0) != 0) continue;
+    const std::string rest = name.substr(stem.size() + kind.size());
+    const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
+    const std::string extension = rest.substr(digits);
+    static const std::vector<std::string> meshes{".ply", ".stl", ".obj", ".vtp", ".gii", ".surf.gii"};
+    if (digits >= 3 &&
+        (kind == "_model-" ? extension == ".json" : std::find(meshes.begin(), meshes.end(), extension) != meshes.end()))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<fs::path> stale_outputs(const SegmentSettings& settings, const std::vector<PlannedFile>& plan) {
+  std::vector<fs::path> stale;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(settings.output, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool planned =
+        std::any_of(plan.begin(), plan.end(), [&](const PlannedFile& f) { return f.path.filename() == name; });
+    if (!planned && is_numbered(name, stem_of(settings)) && entry.is_regular_file(ignored))
+      stale.push_back(entry.path());
+  }
+  std::sort(stale.begin(), stale.end());
+  return stale;
+}
+
 fs::path path_of(const std::vector<PlannedFile>& plan, const std::string& kind, int label) {
   for (const auto& file : plan) {
     if (file.kind == kind && file.label == label) return file.path;

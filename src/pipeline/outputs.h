@@ -19,6 +19,10 @@ struct PlannedFile {
 /// The files that a run over objects with these labels writes.
 std::vector<PlannedFile> plan_outputs(const SegmentSettings& settings, const std::vector<int>& labels);
 
+/// Numbered meshes and models of this stem in the output folder that are not planned: left by an earlier run that found
+/// more objects, they would pass for results of this one. In the order of their names.
+std::vector<std::filesystem::path> stale_outputs(const SegmentSettings& settings, const std::vector<PlannedFile>& plan);
+
 /// The path of one planned file. \pre it is planned.
 std::filesystem::path path_of(const std::vector<PlannedFile>& plan, const std::string& kind, int label = 0);
 

@@ -117,6 +117,7 @@ FoundVolume volume_of(const json& report, const fs::path& path) {
     options.spacing = Vec3(s.at("spacing").at(0).get<double>(), s.at("spacing").at(1).get<double>(),
                            s.at("spacing").at(2).get<double>());
   }
+  if (report.at("input").contains("frame")) options.frame = report.at("input").at("frame").at("index").get<int>();
   return {in_lps_order(read_volume(*found, options).image), ""};
 }
 

@@ -35,7 +35,9 @@ std::vector<Preset> list_presets() {
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
       if (entry.path().extension() != ".toml") continue;
       const std::string name = entry.path().stem().string();
-      by_name.try_emplace(name, Preset{name, read_toml_notes(entry.path()).description, entry.path()});
+      if (by_name.contains(name)) continue;
+      const TomlNotes notes = read_toml_notes(entry.path());
+      by_name.emplace(name, Preset{name, notes.description, entry.path(), notes.when});
     }
   }
   std::vector<Preset> presets;

@@ -20,39 +20,44 @@ std::string title_of(const ObjectResult& object, const std::string& name, bool s
   return fmt::format("{}   {:.4g} ml   {}", who, object.volume_surface_ml, to_string(object.fit.status));
 }
 
-std::vector<Canvas> panels_of(const Image<float>& image, const Window& window, const ObjectResult& object, int size) {
-  TriangleMesh in_index = object.mesh;
+std::vector<Canvas> panels_of(const Image<float>& image, const Window& window, const TriangleMesh& mesh, int size) {
+  TriangleMesh in_index = mesh;
   for (auto& vertex : in_index.vertices) vertex = image.grid.index_from_world(vertex);
   std::vector<Canvas> panels;
   for (const Plane plane : {Plane::axial, Plane::coronal, Plane::sagittal}) {
     panels.push_back(draw_slice(image, window, in_index, plane, size));
   }
-  panels.push_back(draw_shaded(object.mesh, size));
+  panels.push_back(draw_shaded(mesh, size));
   return panels;
 }
 
 }  // namespace
 
-void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
-                      const std::vector<ObjectResult>& objects, const std::string& name) {
-  const bool several = objects.size() > 1;
+void write_pictures(const std::filesystem::path& path, const Image<float>& image, const std::vector<PictureRow>& list) {
+  const bool several = list.size() > 1;
   const int columns = several ? 4 : 2;
   const int size = (total_width - gap * (columns - 1)) / columns;
-  const std::size_t rows = std::min(objects.size(), most_rows);
+  const std::size_t rows = std::min(list.size(), most_rows);
   const int row_height = title_height + (4 / columns) * (size + gap);
   Canvas picture(total_width, row_height * static_cast<int>(std::max<std::size_t>(rows, 1)) - gap, {12, 13, 16});
   const Window window = robust_window(image);
   for (std::size_t r = 0; r < rows; ++r) {
     const int top = static_cast<int>(r) * row_height;
-    draw_text(picture, 10, top + 10, fitting_text(title_of(objects[r], name, several), 2, total_width - 20), 2,
-              {255, 255, 255});
-    const auto panels = panels_of(image, window, objects[r], size);
+    draw_text(picture, 10, top + 10, fitting_text(list[r].title, 2, total_width - 20), 2, {255, 255, 255});
+    const auto panels = panels_of(image, window, list[r].mesh, size);
     for (std::size_t p = 0; p < panels.size(); ++p) {
       const int column = static_cast<int>(p) % columns, row = static_cast<int>(p) / columns;
       paste(picture, panels[p], column * (size + gap), top + title_height + row * (size + gap));
     }
   }
   write_png(path, picture);
+}
+
+void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
+                      const std::vector<ObjectResult>& objects, const std::string& name) {
+  std::vector<PictureRow> rows;
+  for (const ObjectResult& object : objects) rows.push_back({title_of(object, name, objects.size() > 1), object.mesh});
+  write_pictures(path, image, rows);
 }
 
 }  // namespace pellicle

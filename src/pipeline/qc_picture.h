@@ -10,10 +10,19 @@
 
 namespace pellicle {
 
-/// For each object: axial, coronal and sagittal slices through its centre with the true cut of the surface, and a
+/// A row of a picture.
+struct PictureRow {
+  std::string title;
+  TriangleMesh mesh;  ///< LPS mm
+};
+
+/// For each row: axial, coronal and sagittal slices through its centre with the true cut of the surface, and a
 /// shaded view of the surface. Slices follow the voxels (nearest anatomical plane) and are shown as radiologists do:
 /// the patient's right on the left of the picture, front up (axial) or to the left (sagittal).
 /// Deterministic. \throws CannotCreate, IoError.
+void write_pictures(const std::filesystem::path& path, const Image<float>& image, const std::vector<PictureRow>& rows);
+
+/// The same of fitted objects, with volume and status.
 void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
                       const std::vector<ObjectResult>& objects, const std::string& name);
 

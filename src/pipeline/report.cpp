@@ -149,6 +149,11 @@ json input_json(const SegmentResult& result) {
   out["grid"] = json_of(result.header.grid);
   out["unit"] = result.header.unit;
   out["spacing_known"] = result.header.spacing_known;
+  if (result.frame) {
+    out["frame"] = {{"index", *result.frame},
+                    {"time", *result.frame * result.header.frame_step},
+                    {"unit", result.header.frame_unit}};
+  }
   out["min"] = result.min;
   out["max"] = result.max;
   out["nan_count"] = result.nan_count;
@@ -189,19 +194,24 @@ std::string orientation_code(const ImageGrid& grid) {
   return code;
 }
 
-json report_of(const SegmentResult& result, const std::vector<std::string>& command_line) {
+json report_of(const SegmentResult& result, const RunContext& context) {
   json report;
   report["format"] = "pellicle-report";
   report["version"] = 1;
   json libraries = json::object();
   for (const auto& [name, version] : library_versions()) libraries[name] = version;
   report["program"] = {{"name", "pellicle"}, {"version", program_version()}, {"libraries", libraries}};
-  report["command_line"] = command_line;
+  report["command_line"] = context.command_line;
   report["finished"] = utc_time();
   report["exit_code"] = result.exit_code();
   SegmentSettings resolved = result.settings;
   resolved.fit.stages = resolved.wants_many() ? stages_of_many(resolved.fit) : stages_of(resolved.fit);
   report["settings"] = json_of(resolved);
+  if (context.chosen_preset) {
+    report["preset_auto"] = {{"chosen", context.chosen_preset->name},
+                             {"reason", context.chosen_preset->reason},
+                             {"facts", context.chosen_preset->facts}};
+  }
   report["input"] = input_json(result);
   json inputs = json::array(), outputs = json::array(), objects = json::array();
   for (const auto& file : result.inputs) {

@@ -7,8 +7,8 @@
 
 namespace pellicle {
 
-/// \param command_line as typed.
-nlohmann::ordered_json report_of(const SegmentResult& result, const std::vector<std::string>& command_line);
+/// \param context the command line as typed, and the preset that was chosen.
+nlohmann::ordered_json report_of(const SegmentResult& result, const RunContext& context);
 
 /// Grid of a volume as JSON: size, spacing_mm, origin_lps_mm, direction (rows), orientation.
 nlohmann::ordered_json json_of(const ImageGrid& grid);

@@ -138,6 +138,25 @@ void share_out(std::vector<ObjectResult>& objects, Maps& maps) {
   maps.labels = std::move(joint.labels);
 }
 
+// Two seeds in one object give two surfaces of it. Sharing out its voxels would hide that.
+void tell_overlaps(const RunContext& context, SegmentResult& result) {
+  for (auto& object : result.objects) {
+    const double own = object.volume_mask_ml * 1000.0 / result.header.grid.voxel_volume();
+    const auto shared = static_cast<double>(object.overlap_voxels);
+    // What was claimed: the voxels that it kept, and at most all of the shared ones beside them.
+    if (!(shared > 0.05 * std::max(own, shared))) continue;
+    const std::string message =
+        fmt::format("{}: other objects claim {} of its voxels too; each went to the surface in which it is deepest",
+                    object.name, object.overlap_voxels);
+    result.warnings.push_back(message);
+    if (context.warn) context.warn(message);
+    if (shared > own && object.fit.status == FitStatus::ok) {
+      object.fit.status = FitStatus::ambiguous;
+      object.fit.reason = "most of it is claimed by other objects too: do two seeds lie in one object?";
+    }
+  }
+}
+
 std::string label_table(const std::vector<ObjectResult>& objects) {
   if (objects.empty() || objects.front().shape) return many_table(objects);
   std::string text = "index\tname\tvolume_ml\tstatus\n";
@@ -224,8 +243,10 @@ std::vector<PlannedFile> write_traces(const SegmentResult& result) {
   return written;
 }
 
-// Before any work: the labels as far as they are known without reading images.
-void check_early(const SegmentSettings& settings) {
+}  // namespace
+
+// The labels as far as they are known without reading images.
+void check_before_work(const SegmentSettings& settings) {
   settings.validate();
   std::error_code ignored;
   if (!fs::exists(settings.input, ignored)) {
@@ -243,6 +264,8 @@ void check_early(const SegmentSettings& settings) {
   checked_plan(settings, labels);
   if (settings.trace) check_trace(trace_files(settings), settings.overwrite);
 }
+
+namespace {
 
 using Hash = std::future<std::string>;
 
@@ -263,7 +286,7 @@ void collect_hashes(const SegmentSettings& settings, std::vector<Hash>& hashes, 
 }
 
 Volume read_input(const SegmentSettings& settings, const RunContext& context, SegmentResult& result) {
-  Volume volume = read_volume(settings.input, {settings.spacing});
+  Volume volume = read_volume(settings.input, {settings.spacing, result.frame});
   result.header = volume.header;
   result.nan_count = volume.nan_count;
   result.inf_count = volume.inf_count;
@@ -329,14 +352,19 @@ int SegmentResult::exit_code() const {
 }
 
 SegmentResult segment(const SegmentSettings& settings, const RunContext& context) {
+  return segment_frame(settings, context, {});
+}
+
+SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& context, const FrameStart& start) {
   const ThreadLimit limit(settings.threads);
   const auto tell = [&](double share, const std::string& what) {
     if (context.inform) context.inform(what);
     if (context.progress) context.progress(share, what);
     check_interrupt();
   };
-  check_early(settings);
+  check_before_work(settings);
   SegmentResult result;
+  result.frame = start.frame;
   result.settings = settings;
   result.settings.fit.model.kind = settings.model_kind();
   PhaseClock clock;
@@ -349,12 +377,14 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   tell(0.08, "seeding");
   if (settings.points) result.settings.fit.points = read_expert_points(settings, result.header.grid);
   result.settings.fit.trace_every = settings.trace ? settings.trace_every : 0;
-  const auto seeds = make_seeds(result.settings, result.header.grid, volume.image);
+  const auto seeds = start.seeds.empty() ? make_seeds(result.settings, result.header.grid, volume.image) : start.seeds;
   const auto plan_for = [&](const auto& list) {
     std::vector<int> labels;
     labels.reserve(list.size());
     for (const auto& one : list) labels.push_back(one.label);
-    return checked_plan(settings, labels);
+    auto checked = checked_plan(settings, labels);
+    if (!settings.overwrite) check_outputs(stale_outputs(settings, checked), false, {});
+    return checked;
   };
   auto plan = plan_for(seeds);
 
@@ -374,6 +404,10 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   tell(0.8, "measuring");
   if (settings.wants_many()) {
     maps.labels = measure_many(result, grid, maps.fraction);
+    if (start.relabel) {
+      start.relabel(result.objects, maps.labels);
+      plan = plan_for(result.objects);
+    }
     if (settings.writes("sdf")) maps.distance = distance_to_all(result.objects, grid);
   } else {
     for (auto& object : result.objects) {
@@ -383,11 +417,16 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
       add_to_maps(object, settings, maps);
     }
     share_out(result.objects, maps);
+    tell_overlaps(context, result);
   }
 
   clock.start("write");
   tell(0.9, "writing");
   for (const fs::path& folder : output_folders(settings)) create_folder(folder);
+  for (const auto& path : stale_outputs(settings, plan)) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
   write_maps(result, plan, maps);
   if (settings.output_mask) write_mask(*settings.output_mask, result, maps);
   write_objects(result, plan);
@@ -410,7 +449,7 @@ SegmentResult segment(const SegmentSettings& settings, const RunContext& context
   clock.stop();
   result.seconds = clock.seconds();
   if (settings.writes("report")) {
-    write_text_file(path_of(plan, "report"), report_of(result, context.command_line).dump(2) + "\n");
+    write_text_file(path_of(plan, "report"), report_of(result, context).dump(2) + "\n");
   }
   if (context.progress) context.progress(1.0, "done");
   return result;

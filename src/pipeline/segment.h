@@ -10,6 +10,8 @@
 #include "pellicle/fit/fit.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/pipeline/preset_choice.h"
+#include "pellicle/pipeline/seeding.h"
 #include "pellicle/pipeline/settings.h"
 
 namespace pellicle {
@@ -19,6 +21,7 @@ struct RunContext {
   std::vector<std::string> command_line;  ///< for the report
   Progress progress;
   std::function<void(const std::string&)> inform, warn;
+  std::optional<PresetChoice> chosen_preset = {};  ///< with --preset auto, for the report
 };
 
 /// What is told of each of many objects beside what is told of one.
@@ -85,6 +88,7 @@ struct SegmentResult {
   float min = 0.0F, max = 0.0F;
   std::vector<ObjectResult> objects;
   std::optional<ManySummary> many;  ///< with --objects many
+  std::optional<int> frame;         ///< of a time series, from 0
   std::vector<InputFile> inputs;
   std::vector<OutputFile> outputs;                      ///< all but the report itself
   std::vector<std::pair<std::string, double>> seconds;  ///< per phase
@@ -98,6 +102,20 @@ struct SegmentResult {
 /// \throws what settings.validate(), read_volume, make_seeds and the writers throw; CannotCreate when an output exists
 ///         and settings.overwrite is false (before any work); Interrupted.
 SegmentResult segment(const SegmentSettings& settings, const RunContext& context);
+
+/// Where one frame of a time series begins.
+struct FrameStart {
+  std::optional<int> frame = {};       ///< of a 4D input; none: the input is 3D
+  std::vector<ObjectSeed> seeds = {};  ///< instead of what the settings say, unless empty
+  /// Changes labels and names of the objects that were found, and the label map, before anything is written.
+  std::function<void(std::vector<ObjectResult>&, Image<std::uint16_t>&)> relabel = {};
+};
+
+/// The same for one frame. \throws as segment.
+SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& context, const FrameStart& start);
+
+/// What can be refused before any image is read: missing files, outputs that exist. \throws as segment.
+void check_before_work(const SegmentSettings& settings);
 
 /// A surface that was turned inside out keeps its status, but a file of it is outward-oriented all the same.
 void turn_outward(TriangleMesh& mesh);

@@ -351,7 +351,10 @@ void add_outputs_and_run(std::vector<SettingKey>& keys) {
   keys.push_back(flag_key({"Outputs", "overwrite", "", "replace files that exist"}, FIELD(overwrite)));
   keys.push_back(number_key({"Run", "threads", "N", "threads; 0: all. The results are the same bytes for every N"},
                             FIELD(threads)));
-  keys.push_back(flag_key({"Run", "dry-run", "", "print the resolved settings as TOML and stop"}, FIELD(dry_run)));
+  keys.push_back(flag_key(
+      {"Run", "dry-run", "",
+       "print the resolved settings as TOML, with -i and -o also what would be done, draw the seeds, and stop"},
+      FIELD(dry_run)));
   keys.push_back(flag_key({"Run", "quiet", "", "errors only on stderr", "-q"}, FIELD(quiet)));
   keys.push_back(flag_key({"Run", "verbose", "", "tell what is going on", "-v"}, FIELD(verbose)));
   keys.push_back(flag_key({"Run", "log-json", "", "logs as one JSON object a line"}, FIELD(log_json)));

@@ -7,18 +7,20 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "pellicle/pipeline/presets.h"
 #include "pellicle/pipeline/settings.h"
 
 namespace pellicle {
 
 /// What a TOML file asks for beside the values themselves.
 struct TomlNotes {
-  std::string preset;       ///< value of the key `preset`
-  std::string description;  ///< value of the key `description` (presets)
+  std::string preset;                      ///< value of the key `preset`
+  std::string description;                 ///< value of the key `description` (presets)
+  std::vector<PresetCondition> when = {};  ///< the [[when]] tables (presets)
 };
 
 /// Only the notes, so that a preset can be applied before the file that names it.
-/// \throws NoInput, BadData (syntax) naming file and line.
+/// \throws NoInput, BadData (syntax), UsageError (a condition that is no pair of numbers) naming file and line.
 TomlNotes read_toml_notes(const std::filesystem::path& path);
 
 /// Sets in `settings` all that the file holds, and nothing else.

@@ -5,13 +5,11 @@
 #include "pellicle/image/resample.h"
 #include "pellicle/seed/components.h"
 #include "pellicle/seed/seed.h"
+#include "pellicle/seed/threshold.h"
 
 namespace pellicle {
 
-namespace {
-
-// Otsu 1979: the threshold that parts a histogram into two classes of least variance.
-double otsu_threshold(std::vector<float> values) {
+double threshold_of_two_classes(std::vector<float> values) {
   std::sort(values.begin(), values.end());
   const double lo = values[values.size() / 200], hi = values[values.size() - 1 - values.size() / 200];
   std::array<double, 256> histogram{};
@@ -39,15 +37,13 @@ double otsu_threshold(std::vector<float> values) {
   return lo + cut / 255.0 * (hi - lo);
 }
 
-}  // namespace
-
 std::vector<SeedSphere> find_candidates(const Image<float>& image) {
   const double longest = image.grid.extent().maxCoeff();
   const IndexBox whole{{0, 0, 0}, image.grid.size};
   Image<float> coarse = crop_and_bin(image, whole, bin_factors(image.grid, longest / 64.0));
   const double h = coarse.grid.mean_spacing();
   coarse = gaussian_smooth(std::move(coarse), h);
-  const double threshold = otsu_threshold(coarse.voxels);
+  const double threshold = threshold_of_two_classes(coarse.voxels);
   std::vector<SeedSphere> seeds;
   const auto total = static_cast<double>(coarse.voxels.size());
   for (const bool bright : {true, false}) {

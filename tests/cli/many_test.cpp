@@ -100,6 +100,23 @@ TEST_F(ManyObjects, SeedsNameTheObjects) {
   EXPECT_EQ(f1(scratch), 1.0);
 }
 
+TEST_F(ManyObjects, PresetAutoSaysWhatItChoseAndDryRunDrawsThePlaces) {
+  const Scratch scratch;
+  const Outcome dry = segment(scratch, {"--preset", "auto", "--dry-run"});
+  ASSERT_EQ(dry.exit_code, 0) << dry.err;
+  EXPECT_THAT(dry.err, testing::HasSubstr("--preset auto: nuclei, because"));
+  EXPECT_THAT(dry.out, testing::HasSubstr("preset = \"nuclei\""));
+  EXPECT_THAT(dry.out, testing::HasSubstr("# 6 places to try"));
+  EXPECT_THAT(read_text(scratch / "out/cells_seeds.png"), testing::StartsWith("\x89PNG"));
+  const Outcome outcome = segment(scratch, {"--preset", "auto", "--write", "mask,report"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(f1(scratch), 1.0);
+  const json report = json::parse(read_text(scratch / "out/cells_report.json"));
+  EXPECT_EQ(report["preset_auto"]["chosen"], "nuclei");
+  EXPECT_GE(report["preset_auto"]["facts"]["blobs"].get<double>(), 5.0);
+  EXPECT_EQ(report["settings"]["preset"], "nuclei");
+}
+
 TEST_F(ManyObjects, NoObjectIsNoError) {
   const Scratch scratch;
   const Outcome outcome = run({"segment", "-i", std::string(PELLICLE_SOURCE_DIR) + "/tests/corpus/constant.nii.gz",

@@ -145,6 +145,30 @@ TEST_F(Segment, SeveralObjectsGetLabelsTableAndNumberedFiles) {
   // Both seeds lie in the one egg: nearly all voxels of either are claimed by both.
   EXPECT_GT(report["objects"][1]["overlap_voxels"].get<int>(), 500);
   EXPECT_EQ(report["objects"][0]["overlap_voxels"], report["objects"][1]["overlap_voxels"]);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("object-2: other objects claim"));
+  EXPECT_THAT(read_text(scratch / "out/egg_dseg.tsv"), testing::HasSubstr("ambiguous"));
+}
+
+TEST_F(Segment, FilesOfAnEarlierRunWithMoreObjectsDoNotStay) {
+  const Scratch scratch;
+  const auto with = [&](int seeds, bool overwrite, const std::string& kinds) {
+    auto arguments = command(scratch, {"--write", kinds, "--detail", "1"});
+    for (int i = 0; i < seeds; ++i) {
+      arguments.insert(arguments.end(), {"--seed-sphere", "1,-2," + std::to_string(0.2 * i) + ",4"});
+    }
+    if (overwrite) arguments.emplace_back("--overwrite");
+    return run(arguments, scratch).exit_code;
+  };
+  ASSERT_THAT(with(3, false, "mesh,model"), testing::AnyOf(0, 3));
+  std::ofstream(scratch / "out/egg_surface-note.ply") << "a user's own";
+  // All its own files are new, but two others would pass for its results.
+  EXPECT_EQ(with(1, false, "mask"), 73);
+  EXPECT_TRUE(fs::exists(scratch / "out/egg_surface-003.ply"));
+  ASSERT_THAT(with(2, true, "mesh,model"), testing::AnyOf(0, 3));
+  EXPECT_THAT(files_in(scratch / "out"),
+              testing::UnorderedElementsAre("egg_surface-001.ply", "egg_surface-002.ply", "egg_model-001.json",
+                                            "egg_model-002.json", "egg_surface-note.ply"));
 }
 
 TEST_F(Segment, FilesOfOwnNamesNeedNoFolderAndHoldTheSame) {
@@ -194,8 +218,10 @@ TEST_F(Segment, DryRunWritesAConfigThatGivesTheSameRun) {
   dry.emplace_back("--dry-run");
   const Outcome printed = run(dry, scratch);
   ASSERT_EQ(printed.exit_code, 0) << printed.err;
-  EXPECT_FALSE(fs::exists(scratch / "out"));
+  EXPECT_THAT(files_in(scratch / "out"), testing::ElementsAre("egg_seeds.png"));
   EXPECT_THAT(printed.out, testing::HasSubstr("polarity = \"bright\""));
+  EXPECT_THAT(printed.out, testing::HasSubstr("# 1 object-1: a ball at 1,-2,0.5 LPS mm, radius 4 mm"));
+  EXPECT_THAT(printed.out, testing::HasSubstr("# would write " + scratch("out/egg_model.json")));
   std::ofstream(scratch / "run.toml") << printed.out;
   EXPECT_EQ(run({"segment", "--config", scratch("run.toml"), "--dry-run"}, scratch).out, printed.out);
   ASSERT_EQ(run(arguments, scratch).exit_code, 0);

@@ -173,7 +173,7 @@ TEST(Convergence, CurvesAreTheEnergiesAndBreakBetweenStages) {
   second.history = {{0.1, {{"edge", 9.0}}}};
   FitSummary fit;
   fit.stages = {first, none, second};
-  const LogPlot plot = convergence_of(fit, "it");
+  const LinePlot plot = convergence_of(fit, "it");
   ASSERT_EQ(plot.spans.size(), 2U);
   EXPECT_EQ(plot.spans[0].to, plot.spans[1].from);
   EXPECT_EQ(plot.spans[1].to - plot.spans[1].from, 1.0);
@@ -195,12 +195,17 @@ TEST(Convergence, CurvesAreTheEnergiesAndBreakBetweenStages) {
 }
 
 TEST(Convergence, ThePlotHoldsEveryCurveAndItsGaps) {
-  LogPlot plot{"t", "step", "e", {}, true, {{"a", 0.5, 2.5}, {"b", 2.5, 4.5}}};
+  LinePlot plot{.title = "t",
+                .x_label = "step",
+                .y_label = "e",
+                .curves = {},
+                .x_scale = PlotScale::counts,
+                .spans = {{"a", 0.5, 2.5}, {"b", 2.5, 4.5}}};
   const Rgb red{255, 0, 0};
   const double gap = std::nan("");
   plot.curves = {{"c", red, {{1, 10}, {2, 10}, {2.5, gap}, {3, 10}, {4, 10}}}};
-  const auto columns = [&](const LogPlot& one) {
-    const Canvas canvas = draw_log_plot(one, 600, 400);
+  const auto columns = [&](const LinePlot& one) {
+    const Canvas canvas = draw_line_plot(one, 600, 400);
     int count = 0;
     for (int x = 115; x < 565; ++x) {  // below the key
       bool hit = false;

@@ -207,7 +207,7 @@ TEST(Presets, AreListedDescribedAndValid) {
     apply_toml_file(preset.path, settings);
     EXPECT_NO_THROW(settings.validate_values()) << preset.name;
   }
-  EXPECT_THAT(names, testing::IsSupersetOf({"bright", "dark", "membrane", "brain-t1"}));
+  EXPECT_THAT(names, testing::IsSupersetOf({"bright", "dark", "membrane", "brain-t1", "organ-ct", "lesion"}));
   EXPECT_THROW(find_preset("no-such-preset"), UsageError);
   EXPECT_THROW(find_preset("no-such-preset.toml"), NoInput);
 }

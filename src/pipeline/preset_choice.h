@@ -1,0 +1,30 @@
+#pragma once
+/// `--preset auto`: of the presets whose conditions the input's facts meet, the one that asks for most.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pellicle/pipeline/image_facts.h"
+#include "pellicle/pipeline/presets.h"
+#include "pellicle/pipeline/settings.h"
+
+namespace pellicle {
+
+/// What was chosen and why.
+struct PresetChoice {
+  std::string name;  ///< empty: none applies, the defaults do
+  std::string reason;
+  Facts facts;
+};
+
+/// A preset applies when all facts of one of its [[when]] tables lie in their ranges. Of several the table with most
+/// conditions wins, of equal ones the first by name. \throws UsageError for a condition on a fact that does not exist.
+PresetChoice choose_preset(const std::vector<Preset>& presets, const Facts& facts);
+
+/// Reads the input and sets what the chosen preset says. \param typed settings as far as they are known without it:
+/// input, spacing and seeds. \throws as read_volume.
+PresetChoice choose_preset_for(const SegmentSettings& typed);
+
+}  // namespace pellicle
