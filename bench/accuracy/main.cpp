@@ -1,7 +1,7 @@
-// Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, brain, sarcoma, shapes,
-// orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default: all). Options: --data DIR,
-// --head DIR,
-// --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the brain).
+// Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, unseeded, brain, sarcoma,
+// organs, hippocampus, shapes, orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default:
+// all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the
+// brain).
 
 #include <fmt/format.h>
 
@@ -65,6 +65,7 @@ int main(int argc, char** argv) try {
   const std::vector<std::pair<std::string, void (*)(const Options&)>> sections{
       {"sphere", clean_sphere_table},
       {"phantoms", phantom_table},
+      {"unseeded", unseeded_table},
       {"torus", torus_table},
       {"handles", handle_table},
       {"points", points_table},
@@ -72,6 +73,8 @@ int main(int argc, char** argv) try {
       {"nuclei", nuclei_table},
       {"brain", brain_table},
       {"sarcoma", sarcoma_table},
+      {"organs", organ_table},
+      {"hippocampus", hippocampus_table},
       {"shapes", shape_table},
       {"orders", storage_order_table},
       {"speed", speed_table},

@@ -9,16 +9,12 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/synthetic/phantom.h"
+#include "phantom_cases.h"
 #include "sections.h"
 
 namespace pellicle::bench {
 
-namespace {
-
-constexpr const char* kVariants[] = {"isotropic", "0.5x0.5x1.5 oblique", "dark on bright", "25 % bias", "shell"};
-
-PhantomSettings settings_of(const std::string& shape, std::size_t variant) {
+PhantomSettings phantom_case(const std::string& shape, std::size_t variant) {
   PhantomSettings s;
   s.shape = shape;
   s.size = {104, 104, 104};
@@ -47,6 +43,8 @@ PhantomSettings settings_of(const std::string& shape, std::size_t variant) {
   }
   return s;
 }
+
+namespace {
 
 FitSettings settings_for(const ModelChoice& model) {
   FitSettings settings;
@@ -89,11 +87,11 @@ void phantom_table(const Options& options) {
       "|\n|---|---|---|---|---|---|---|---|\n");
   std::vector<double> all_assd, all_dice;
   int ok = 0, runs = 0;
-  for (const std::string shape : {"sphere", "ellipsoid", "superquadric", "blob", "bean", "dumbbell"}) {
+  for (const std::string shape : kShapes) {
     if (!options.only.empty() && options.only != shape) continue;
-    for (std::size_t v = 0; v < std::size(kVariants); ++v) {
+    for (std::size_t v = 0; v < kVariants.size(); ++v) {
       Row row;
-      run_case(make_phantom(settings_of(shape, v)), options, row);
+      run_case(make_phantom(phantom_case(shape, v)), options, row);
       fmt::print("| {} | {} | {}/{} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.2f} |\n", shape, kVariants[v], row.ok,
                  row.runs, median_of(row.assd), *std::max_element(row.assd.begin(), row.assd.end()),
                  *std::min_element(row.dice.begin(), row.dice.end()), median_of(row.otsu), median_of(row.seconds));

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
-#include <limits>
-
+#include "click.h"
 #include "pellicle/image/volume_file.h"
-#include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
@@ -12,26 +10,10 @@ namespace pellicle::bench {
 
 namespace {
 
-// The voxel centre of the object that lies deepest, and half the mean distance from there to the object's border.
+// The deepest voxel, and half the mean distance from there to the object's border.
 SeedSphere one_click(const Image<std::uint8_t>& truth) {
   const TriangleMesh surface = surface_of_mask(truth);
-  const ClosestPoint closest(surface);
-  SeedSphere seed;
-  double depth = 0.0;
-  const Index3& size = truth.grid.size;
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        if (truth.at(i, j, k) == 0) continue;
-        const Vec3 x = truth.grid.world_from_index(Vec3(i, j, k));
-        const double d = closest.query(x).distance;
-        if (d > depth) {
-          depth = d;
-          seed.center = x;
-        }
-      }
-    }
-  }
+  SeedSphere seed{deepest_point(truth), 0.0};
   double mean = 0.0;
   for (const Vec3& v : surface.vertices)
     mean += (v - seed.center).norm() / static_cast<double>(surface.vertices.size());
@@ -52,9 +34,7 @@ void sarcoma_table(const Options& options) {
       "|\n|---|---|---|---|---|---|---|---|\n");
   for (const std::string name : {"STS_002_CT", "STS_003_CT", "STS_002_MR_T1", "STS_003_MR_T1"}) {
     const Volume volume = read_volume(options.data / "sarcoma" / (name + "_image.nii.gz"));
-    const LabelVolume labels = read_labels(options.data / "sarcoma" / (name + "_mask.nii.gz"));
-    Image<std::uint8_t> truth(labels.labels.grid);
-    for (std::size_t i = 0; i < truth.voxels.size(); ++i) truth.voxels[i] = labels.labels.voxels[i] > 0 ? 1 : 0;
+    const auto truth = mask_of_labels(read_labels(options.data / "sarcoma" / (name + "_mask.nii.gz")).labels);
     const SeedSphere seed = one_click(truth);
     const double begin = seconds_now();
     const FitResult fit = fit_surface(volume.image, {seed}, FitSettings{});

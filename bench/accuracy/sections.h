@@ -18,6 +18,7 @@ struct Options {
 };
 
 void phantom_table(const Options& options);
+void unseeded_table(const Options& options);
 void clean_sphere_table(const Options& options);
 void torus_table(const Options& options);
 void handle_table(const Options& options);
@@ -26,6 +27,8 @@ void power_table(const Options& options);
 void nuclei_table(const Options& options);
 void brain_table(const Options& options);
 void sarcoma_table(const Options& options);
+void organ_table(const Options& options);
+void hippocampus_table(const Options& options);
 void shape_table(const Options& options);
 void storage_order_table(const Options& options);
 void speed_table(const Options& options);
