@@ -110,7 +110,7 @@ void add_setting(Node group, const SettingKey& key) {
   for (const auto& choice : choices) add_text(node, "element", choice);
 }
 
-const SettingKey& key_named(const std::string& name) {
+const SettingKey& setting_named(const std::string& name) {
   const auto& keys = segment_keys();
   return *std::find_if(keys.begin(), keys.end(), [&](const SettingKey& key) { return key.name == name; });
 }
@@ -145,7 +145,7 @@ std::string slicer_description() {
                                        "preset", "output-mask", "output-mesh"};
   Node main = add_group(executable, "Volume, seeds, results",
                         "A fiducial in the middle of the object; without any the object is found", false);
-  for (const auto& name : first) add_setting(main, key_named(name));
+  for (const auto& name : first) add_setting(main, setting_named(name));
   for (const std::string group : {"Seed", "Model", "Energies", "Outputs", "Run"}) {
     Node node;
     for (const auto& key : segment_keys()) {
