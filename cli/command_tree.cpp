@@ -108,7 +108,7 @@ std::string verbatim(const std::string& text) {
 }  // namespace
 
 std::string bash_completion(const CLI::App& program) {
-  const std::string name = program.get_name();
+  const std::string& name = program.get_name();
   std::string commands, cases;
   for (const auto* command : commands_of(program)) {
     commands += (commands.empty() ? "" : " ") + command->get_name();

@@ -145,7 +145,7 @@ void write_derivative(const BidsSettings& settings, const BidsImage& image, cons
   for (const std::string suffix : {"mask", "dseg"}) {
     const fs::path made = work / fmt::format("{}_{}.nii.gz", image.stem, suffix);
     if (!fs::exists(made, ignored)) continue;
-    const std::string name = start + "_" + suffix;
+    const std::string name = fmt::format("{}_{}", start, suffix);
     copy_into_place(made, folder / (name + ".nii.gz"));
     write_text_file(folder / (name + ".json"), sidecar_of(settings, image, row, suffix == "mask").dump(2) + "\n");
     const fs::path table = work / fmt::format("{}_{}.tsv", image.stem, suffix);
@@ -235,7 +235,8 @@ BatchResult run_bids_participants(const BidsSettings& settings, const BatchConte
 }
 
 fs::path write_bids_group_page(const BidsSettings& settings, const Progress& progress) {
-  const fs::path work = settings.output / kWorkFolder, page = work / "report.html";
+  const fs::path work = settings.output / kWorkFolder;
+  fs::path page = work / "report.html";
   std::error_code ignored;
   if (!fs::is_directory(work, ignored)) {
     throw NoInput(fmt::format("nothing to gather ({}): run the level 'participant' first", settings.output.string()));
