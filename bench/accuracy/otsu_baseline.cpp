@@ -11,15 +11,16 @@ namespace pellicle::bench {
 namespace {
 
 /// 6-connected components of the voxels whose class is `wanted`: label per voxel (-1: other class), and sizes.
-struct Components {
+struct ClassComponents {
   std::vector<int> label;
   std::vector<std::size_t> size;
 
   int largest() const { return static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()); }
 };
 
-Components components_of(const ImageGrid& grid, const std::vector<std::uint8_t>& voxel_class, std::uint8_t wanted) {
-  Components result;
+ClassComponents class_components_of(const ImageGrid& grid, const std::vector<std::uint8_t>& voxel_class,
+                                    std::uint8_t wanted) {
+  ClassComponents result;
   result.label.assign(voxel_class.size(), -1);
   const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
   const auto nz = static_cast<std::size_t>(grid.size[2]);
@@ -72,7 +73,7 @@ std::vector<std::size_t> around(const ImageGrid& grid, const Vec3& seed_in_world
 
 /// Fills what cannot be reached from the border of the volume.
 void fill_holes(Image<std::uint8_t>& mask) {
-  const Components background = components_of(mask.grid, mask.voxels, 0);
+  const ClassComponents background = class_components_of(mask.grid, mask.voxels, 0);
   std::vector<bool> open(background.size.size(), false);
   const Index3& size = mask.grid.size;
   for (int k = 0; k < size[2]; ++k) {
@@ -133,7 +134,7 @@ Image<std::uint8_t> otsu_baseline(const Image<float>& image, const Vec3& seed_in
   const auto near_bright = std::count_if(near.begin(), near.end(), [&](std::size_t n) { return bright[n] == 1; });
   const bool use_bright = object == OtsuObject::shell ? 2 * bright_count <= bright.size()
                                                       : 2 * static_cast<std::size_t>(near_bright) > near.size();
-  const Components parts = components_of(image.grid, bright, use_bright ? 1 : 0);
+  const ClassComponents parts = class_components_of(image.grid, bright, use_bright ? 1 : 0);
   Image<std::uint8_t> mask(image.grid);
   if (parts.size.empty()) return mask;
   int chosen = parts.largest();

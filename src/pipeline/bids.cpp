@@ -156,8 +156,8 @@ void write_derivative(const BidsSettings& settings, const BidsImage& image, cons
 // A table for each choice of participants, so that runs side by side do not share one.
 std::string bids_table_name(const BidsSettings& settings) {
   std::string name = "batch";
-  for (const auto& label : settings.participants) name += "-" + with_prefix(label, "sub-");
-  for (const auto& label : settings.sessions) name += "-" + with_prefix(label, "ses-");
+  for (const auto& label : settings.participants) name += fmt::format("-{}", with_prefix(label, "sub-"));
+  for (const auto& label : settings.sessions) name += fmt::format("-{}", with_prefix(label, "ses-"));
   return name + ".tsv";
 }
 

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <limits>
 
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 #include "pellicle/pipeline/settings_toml.h"
 #include "pellicle/synthetic/cluster.h"
-#include "temporary_folder.h"
 
 namespace pellicle {
 namespace {
@@ -37,7 +37,7 @@ TEST(PresetChoice, RangesDecideAndTheStricterConditionWins) {
 }
 
 TEST(PresetChoice, ConditionsAreReadFromFilesAndTheFactsThatTheyNameExist) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto notes = [&](const std::string& text) {
     std::ofstream(folder / "p.toml") << text;
     return read_toml_notes(folder / "p.toml");
