@@ -168,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(BadFiles, OneLineTheRightCodeAndNoOutput) {
   int broken = 0;
   for (const auto& entry : read_table(corpus_folder() / "expected.csv")) {
-    if (entry.exit_code == 0) continue;
+    if (entry.exit_code == 0 || entry.text == "4D") continue;  // to this command 4D is a series: series_test.cpp
     ++broken;
     const Scratch scratch;
     const Outcome outcome =
