@@ -83,6 +83,7 @@ struct Size {
 }  // namespace
 
 void power_table(const Options&) {
+  constexpr double kInf = 1e300;
   const std::vector<Size> sizes{{4, 2, {0.003, 1.396, 0.775}}, {4, 4, {0.001, 1.458, 0.532}},
                                 {6, 3, {0.001, 0.489, 0.363}}, {6, 4, {0.001, 0.357, 0.240}},
                                 {8, 4, {0.001, 0.144, 0.166}}, {8, 6, {0.000, 0.120, 0.087}},
@@ -101,14 +102,23 @@ void power_table(const Options&) {
       data.points = data.surface->vertices;
       data.diameter = shapes[t].diameter;
       data.robust = false;
+      const PointFitSettings settings{.max_steps = 60, .smoothness = 1e-3, .improvement = 1e-3};
+      double best = kInf;
+      const auto keep_best = [&](PointFit fit) {
+        measure_fit(data, fit);
+        const double a = fit.summary.to_surface.rms, b = fit.summary.to_data.rms;
+        best = std::min(best, 100.0 * std::sqrt(0.5 * (a * a + b * b)) / data.diameter);
+      };
       // As `pellicle fit` does it: laid out over the mesh, the poles where this model follows it best.
-      const SphereMap map = map_to_sphere(*data.surface);
-      PointFit fit = fit_to_map(model, data, choose_axis(map, model),
-                                {.max_steps = 60, .smoothness = 1e-3, .improvement = 1e-3}, false);
-      measure_fit(data, fit);
-      const double a = fit.summary.to_surface.rms, b = fit.summary.to_data.rms;
-      const double rms = 100.0 * std::sqrt(0.5 * (a * a + b * b)) / data.diameter;
-      cells += fmt::format(" {:.3f} ({:.3f}) |", rms, size.reference[t]);
+      keep_best(fit_to_map(model, data, choose_axis(map_to_sphere(*data.surface), model), settings, false));
+      // Small nets have many minima: from balls with the poles along each axis, too.
+      for (int axis = 0; axis < 3 && control_point_count(model) < 30; ++axis) {
+        Mat3 turn;
+        turn << Vec3::Unit((axis + 1) % 3), Vec3::Unit((axis + 2) % 3), Vec3::Unit(axis);
+        keep_best(
+            fit_from({model, affine_image(model, Vec3::Zero(), 0.35 * data.diameter * turn)}, data, settings, false));
+      }
+      cells += fmt::format(" {:.3f} ({:.3f}) |", best, size.reference[t]);
     }
     fmt::print("| {}x{} | {} | {} |{}\n", size.m1, size.m2, control_point_count(model), model.degrees_of_freedom(),
                cells);

@@ -33,18 +33,18 @@ std::vector<Canvas> panels_of(const Image<float>& image, const Window& window, c
 
 }  // namespace
 
-void write_pictures(const std::filesystem::path& path, const Image<float>& image, const std::vector<PictureRow>& list) {
-  const bool several = list.size() > 1;
+void write_pictures(const std::filesystem::path& path, const Image<float>& image, const std::vector<PictureRow>& rows) {
+  const bool several = rows.size() > 1;
   const int columns = several ? 4 : 2;
   const int size = (total_width - gap * (columns - 1)) / columns;
-  const std::size_t rows = std::min(list.size(), most_rows);
+  const std::size_t shown = std::min(rows.size(), most_rows);
   const int row_height = title_height + (4 / columns) * (size + gap);
-  Canvas picture(total_width, row_height * static_cast<int>(std::max<std::size_t>(rows, 1)) - gap, {12, 13, 16});
+  Canvas picture(total_width, row_height * static_cast<int>(std::max<std::size_t>(shown, 1)) - gap, {12, 13, 16});
   const Window window = robust_window(image);
-  for (std::size_t r = 0; r < rows; ++r) {
+  for (std::size_t r = 0; r < shown; ++r) {
     const int top = static_cast<int>(r) * row_height;
-    draw_text(picture, 10, top + 10, fitting_text(list[r].title, 2, total_width - 20), 2, {255, 255, 255});
-    const auto panels = panels_of(image, window, list[r].mesh, size);
+    draw_text(picture, 10, top + 10, fitting_text(rows[r].title, 2, total_width - 20), 2, {255, 255, 255});
+    const auto panels = panels_of(image, window, rows[r].mesh, size);
     for (std::size_t p = 0; p < panels.size(); ++p) {
       const int column = static_cast<int>(p) % columns, row = static_cast<int>(p) / columns;
       paste(picture, panels[p], column * (size + gap), top + title_height + row * (size + gap));
@@ -56,6 +56,7 @@ void write_pictures(const std::filesystem::path& path, const Image<float>& image
 void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
                       const std::vector<ObjectResult>& objects, const std::string& name) {
   std::vector<PictureRow> rows;
+  rows.reserve(objects.size());
   for (const ObjectResult& object : objects) rows.push_back({title_of(object, name, objects.size() > 1), object.mesh});
   write_pictures(path, image, rows);
 }
