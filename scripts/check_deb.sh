@@ -35,20 +35,20 @@ mountpoint -q "$root/proc" || mount -t proc proc "$root/proc" # as every running
 for file in resolv.conf apt/apt.conf; do [ -e "/etc/$file" ] && cp -L "/etc/$file" "$root/etc/$file"; done
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
   ${http_proxy:+http_proxy="$http_proxy"} "$@"; }
-mkdir -p "$root/work"
-cp "$package" "$root/work/pellicle.deb"
-cp "$data"/ch2.nii.gz "$data"/ch2bet.nii.gz "$root/work/"
+mkdir -p "$root/srv/check"
+cp "$package" "$root/srv/check/pellicle.deb"
+cp "$data"/ch2.nii.gz "$data"/ch2bet.nii.gz "$root/srv/check/"
 in_root apt-get update -qq
-in_root apt-get install -qq -y --reinstall --no-install-recommends /work/pellicle.deb >"$folder/install.log" 2>&1 || { tail -20 "$folder/install.log"; exit 1; }
+in_root apt-get install -qq -y --reinstall --no-install-recommends /srv/check/pellicle.deb >"$folder/install.log" 2>&1 || { tail -20 "$folder/install.log"; exit 1; }
 echo "--- installed: $(in_root dpkg-query -W -f='${Package} ${Version} ${Status}' pellicle), $(grep -c '^Setting up' "$folder/install.log") packages in all"
 
 echo "--- runs there"
-rm -rf "$root/work/out"
+rm -rf "$root/srv/check/out"
 in_root pellicle --version
-in_root pellicle segment -i /work/ch2.nii.gz -o /work/out --preset brain-t1 --write mask,mesh,model,report,qc
-in_root pellicle evaluate /work/ch2bet.nii.gz /work/out/ch2_mask.nii.gz
-in_root pellicle report /work/out -o /work/out/report.html
-in_root ls -1 /work/out
+in_root pellicle segment -i /srv/check/ch2.nii.gz -o /srv/check/out --preset brain-t1 --write mask,mesh,model,report,qc
+in_root pellicle evaluate /srv/check/ch2bet.nii.gz /srv/check/out/ch2_mask.nii.gz
+in_root pellicle report /srv/check/out -o /srv/check/out/report.html
+in_root ls -1 /srv/check/out
 in_root bash -c '. /usr/share/bash-completion/completions/pellicle && complete -p pellicle'
 in_root sh -c 'ls /usr/share/man/man1/pellicle*.1* | wc -l; "$(ls /usr/libexec/pellicle/slicer/Pellicle)" --xml | head -2'
 echo "--- goes without a trace"

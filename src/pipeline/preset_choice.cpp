@@ -45,7 +45,7 @@ std::string reason_of(const PresetCondition& condition, const Facts& facts) {
 }
 
 std::size_t seeded_objects(const SegmentSettings& settings) {
-  std::size_t count = settings.seed_spheres.size();
+  std::size_t count = settings.all_seed_spheres().size();
   if (settings.seeds_file) count += read_seed_table(*settings.seeds_file).size();
   if (settings.seed_mask || settings.seed_model || settings.points) count = std::max<std::size_t>(1, count);
   return count;

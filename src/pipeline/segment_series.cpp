@@ -126,7 +126,7 @@ int frames_of(const SegmentSettings& settings) {
 SeriesResult segment_series(const SegmentSettings& settings, const RunContext& context) {
   const int frames = frames_of(settings);
   check_series(settings, frames);
-  const bool looked_for = settings.wants_many() && settings.seed_spheres.empty() && !settings.seeds_file &&
+  const bool looked_for = settings.wants_many() && settings.all_seed_spheres().empty() && !settings.seeds_file &&
                           !settings.seed_mask && !settings.seed_model;
   SeriesResult series;
   LastSurfaces last;
