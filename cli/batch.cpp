@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "case_flags.h"
 #include "commands.h"
 #include "pellicle/base/child_process.h"
 #include "pellicle/base/errors.h"
@@ -16,10 +17,9 @@ namespace {
 
 struct BatchFlags {
   std::vector<std::string> sources;  ///< one table, or patterns
-  std::vector<std::vector<std::string>> typed;
-  std::string config, shard = "1/1";
+  std::string shard = "1/1";
   BatchSettings batch;
-  ConsoleOptions* console = nullptr;
+  CaseFlags cases;
 };
 
 bool is_table(const std::string& source) {
@@ -36,20 +36,14 @@ std::vector<BatchCase> cases_from(const std::vector<std::string>& sources) {
 }
 
 int run_batch_command(BatchFlags& flags, Console& console) {
-  console.configure(*flags.console);
+  console.configure(*flags.cases.console);
   BatchSettings settings = flags.batch;
   settings.program = this_program();
   settings.shard = parse_shard(flags.shard);
-  settings.common = common_values(flags.typed, flags.config);
-  BatchContext context;
-  context.progress = [&](double share, const std::string& what) { console.progress(share, what); };
-  context.finished = [&](const BatchRow& row) {
-    if (row.failed()) console.warn(fmt::format("{} ({}): {}", row.status, row.name, row.message));
-    const std::string volume = row.volume_ml ? fmt::format("{:.6g}", *row.volume_ml) : "n/a";
-    std::cout << fmt::format("{} {} {} {:.3f}\n", row.name, volume, row.status, row.seconds.value_or(0.0))
-              << std::flush;
-  };
-  const BatchResult result = run_batch(cases_from(flags.sources), settings, context);
+  settings.jobs = flags.cases.jobs;
+  settings.threads = flags.cases.threads;
+  settings.common = flags.cases.common();
+  const BatchResult result = run_batch(cases_from(flags.sources), settings, case_lines(console));
   if (result.kept > 0) console.inform(fmt::format("{} of {} cases were done before", result.kept, result.rows.size()));
   const auto pending =
       std::count_if(result.rows.begin(), result.rows.end(), [](const BatchRow& row) { return !row.exit_code; });
@@ -72,10 +66,6 @@ Run add_batch(CLI::App& app) {
   app.add_option("-o,--output", flags->batch.output, "folder: batch.tsv, and a folder for each case")
       ->type_name("DIR")
       ->group("Batch");
-  app.add_option("--jobs", flags->batch.jobs, "cases at a time; they share the threads")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group("Batch");
   app.add_flag("--resume", flags->batch.resume, "do only what is missing in DIR, or was told otherwise")
       ->group("Batch");
   app.add_option("--shard", flags->shard, "only part I of N of the cases, from 1; its table is batch-I-of-N.tsv")
@@ -83,13 +73,7 @@ Run add_batch(CLI::App& app) {
       ->group("Batch");
   app.add_flag("--keep-going", flags->batch.keep_going, "go on after a case that failed")->group("Batch");
   app.add_flag("--overwrite", flags->batch.overwrite, "start anew and replace files")->group("Batch");
-  app.add_option("--threads", flags->batch.threads, "threads of all cases together; 0: all")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group("Run");
-  app.add_option("--config", flags->config, "settings file for every case")->type_name("FILE.toml")->group("Run");
-  add_common_setting_flags(app, flags->typed);
-  flags->console = add_console_flags(app);
+  flags->cases.add(app, "cases");
   app.footer(
       "Flags of 'segment' that stand here hold for every case; what a row says wins.\n"
       "One line a case on stdout: name volume_ml status seconds. Exit code 3: a fit is not ok; 1: a case failed.\n"

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "case_flags.h"
 #include "commands.h"
 #include "pellicle/base/child_process.h"
 #include "pellicle/base/errors.h"
@@ -16,31 +17,24 @@ namespace {
 
 struct BidsFlags {
   BidsSettings bids;
-  std::string level, config;
-  std::vector<std::vector<std::string>> typed;
-  ConsoleOptions* console = nullptr;
+  std::string level;
+  CaseFlags cases;
 };
 
 int run_participants(const BidsSettings& settings, Console& console) {
-  BatchContext context;
-  context.progress = [&](double share, const std::string& what) { console.progress(share, what); };
-  context.finished = [&](const BatchRow& row) {
-    if (row.failed()) console.warn(fmt::format("{} ({}): {}", row.status, row.name, row.message));
-    const std::string volume = row.volume_ml ? fmt::format("{:.6g}", *row.volume_ml) : "n/a";
-    std::cout << fmt::format("{} {} {} {:.3f}\n", row.name, volume, row.status, row.seconds.value_or(0.0))
-              << std::flush;
-  };
-  const BatchResult result = run_bids_participants(settings, context);
+  const BatchResult result = run_bids_participants(settings, case_lines(console));
   if (result.kept > 0) console.inform(fmt::format("{} of {} images were done before", result.kept, result.rows.size()));
   return result.exit_code();
 }
 
 int run_bids(const BidsFlags& flags, Console& console) {
-  console.configure(*flags.console);
+  console.configure(*flags.cases.console);
   BidsSettings settings = flags.bids;
   settings.program = this_program();
-  settings.common = common_values(flags.typed, flags.config);
-  if (flags.config.empty()) settings.common.try_emplace("preset", std::vector<std::string>{"brain-t1"});
+  settings.jobs = flags.cases.jobs;
+  settings.threads = flags.cases.threads;
+  settings.common = flags.cases.common();
+  if (flags.cases.config.empty()) settings.common.try_emplace("preset", std::vector<std::string>{"brain-t1"});
   settings.common.try_emplace("write", std::vector<std::string>{"mask,mesh,model,report,qc"});
   if (flags.level == "participant") return run_participants(settings, console);
   if (flags.level == "group") {
@@ -75,18 +69,8 @@ Run add_bids(CLI::App& app) {
       ->type_name("LABEL")
       ->capture_default_str()
       ->group("Dataset");
-  app.add_option("--jobs", flags->bids.jobs, "images at a time; they share the threads")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group("Run");
   app.add_flag("--overwrite", flags->bids.overwrite, "do again what an earlier run finished")->group("Run");
-  app.add_option("--threads", flags->bids.threads, "threads of all images together; 0: all")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group("Run");
-  app.add_option("--config", flags->config, "settings file for every image")->type_name("FILE.toml")->group("Run");
-  add_common_setting_flags(app, flags->typed);
-  flags->console = add_console_flags(app);
+  flags->cases.add(app, "images");
   app.footer(
       "Flags of 'segment' hold for every image; without --preset or --config it is brain-t1. A run goes on where an "
       "earlier one\n"

@@ -62,7 +62,7 @@ bool may_repeat(const SettingKey& key) {
 void apply_typed(const SettingKey& key, const std::vector<std::string>& values, SegmentSettings& settings) {
   if (values.empty()) return;
   // A choice that hosts hand over though nobody made it: the preset decides.
-  const bool choice = key.placeholder.find('|') != std::string::npos || key.name == "preset";
+  const bool choice = !key.choices().empty() || key.name == "preset";
   if (choice && values.size() == 1 && values.front() == "default") return;
   const std::string flag = fmt::format("--{}", key.name);
   if (values.size() > 1 && !may_repeat(key) && key.kind != SettingKind::flag) {

@@ -106,15 +106,18 @@ void judge(const StageContext& context, Trial& trial) {
 // evidence of a wrong one was seen 1.4 times that of the right one (a tumour in T1), so more is asked there.
 constexpr double kMargin = 1.1, kAlikeMargin = 1.5;
 
+bool still_moves(const Trial& trial) {
+  if (trial.stages.empty()) return false;
+  const StageSummary& last = trial.stages.back();
+  return last.reason.starts_with("step limit") && last.last_move_mm > 0.5;
+}
+
 // A fit that ran well is still held against the image. Thresholds: recipes measured on phantoms, CT and MR
 // (docs/accuracy.md).
 void check_evidence(const Trial& trial, FitSummary& summary) {
   const Evidence& e = trial.evidence;
   const bool tissue = trial.state.reading.tissue.has_value();
-  const bool moving = std::any_of(trial.stages.begin(), trial.stages.end(), [&](const StageSummary& s) {
-    return &s == &trial.stages.back() && s.reason.starts_with("step limit") && s.last_move_mm > 0.5;
-  });
-  if (moving) {
+  if (still_moves(trial)) {
     summary.status = FitStatus::not_converged;
     summary.reason =
         fmt::format("still moving by {:.2f} mm a step at the step limit", trial.stages.back().last_move_mm);
@@ -201,9 +204,9 @@ void refine_by_evidence(const StageContext& context, Trial& trial) {
   if (best_stage == nullptr || trial.state.status != FitStatus::ok) return;
   Stage last = *best_stage;
   if (last.energies.contains("bending")) {
-    for (const double factor : {10.0, 0.1}) {
+    for (const double factor : {3.0, 1.0 / 3.0}) {
       bool improved = false;
-      for (int round = 0; round < 2; ++round) {
+      for (int round = 0; round < 4; ++round) {
         Stage trial_stage = last;
         trial_stage.max_steps = 5;
         trial_stage.energies["bending"] *= factor;
@@ -280,6 +283,23 @@ FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
   return result;
 }
 
+// A seed surface that the image leads to nowhere is kept: the fit fails, comes to no rest, sees no edge, or weak ones
+// and weaker than where it began.
+std::optional<Trial> seed_as_given(const StageContext& context, const std::vector<Seed>& seeds, const Trial& refined) {
+  const auto* surface = std::get_if<Surface>(&seeds.front());
+  if (seeds.size() > 1 || surface == nullptr || refined.hypothesis.certain) return std::nullopt;
+  FitSummary alone;
+  alone.status = refined.state.status;
+  if (alone.status == FitStatus::ok) check_evidence(refined, alone);
+  if (alone.status == FitStatus::ok) return std::nullopt;
+  Trial given{refined.hypothesis, refined.hypothesis.start, {}, {}};
+  given.state.surface = *surface;
+  given.state.reading.name = "seed surface, as given";
+  judge(context, given);
+  if (alone.status == FitStatus::doubtful && refined.credit >= given.credit) return std::nullopt;
+  return given;
+}
+
 }  // namespace
 
 FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
@@ -323,6 +343,14 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
   refine_by_evidence(context, trials[best]);
   judge(context, trials[best]);
+  if (std::optional<Trial> given = seed_as_given(context, seeds, trials[best])) {
+    const std::string failure = summarise(trials, best).summary.reason;
+    trials.push_back(std::move(*given));
+    FitResult result = summarise(trials, trials.size() - 1);
+    result.summary.status = FitStatus::doubtful;
+    result.summary.reason = "the seed is kept, the image leads it nowhere: " + failure;
+    return result;
+  }
   return summarise(trials, best);
 }
 

@@ -151,6 +151,7 @@ std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surf
     read_levels(image, settings, samples, bands, hypothesis.start);
     return hypothesis;
   };
+  constexpr double kNear = 3.0;  // voxels
   const auto searches = [](const Stage& stage) { return stage.energies.contains("region"); };
   std::vector<Hypothesis> list;
   list.push_back(reading("seed surface", {1.5 * h, 5.0 * h, 1.5 * h, 5.0 * h}));
@@ -161,6 +162,7 @@ std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surf
     near.compare_after = near.stages.size();
     return list;
   }
+  near.start.leash = std::make_shared<const Leash>(mesh_of(g.layout, samples), kNear * h);
   std::erase_if(near.stages, searches);
   near.stages.insert(near.stages.begin(), near.stages.front());  // compared first, then run again with samples left out
   near.compare_after = 1;

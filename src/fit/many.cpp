@@ -271,6 +271,17 @@ std::vector<Stage> stages_of_many(const FitSettings& settings) {
   return with_settings(std::move(stages), settings);
 }
 
+std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySettings& settings) {
+  const BlobField field = blob_field(image, wants_dark(image, settings.fit));
+  std::vector<SeedSphere> places;
+  if (const std::optional<double> radius = estimate_radius(field, settings.radius)) {
+    for (const BlobSeed& seed : find_blobs(field, *radius, settings.seeds)) {
+      places.push_back({.center = seed.position, .radius = *radius});
+    }
+  }
+  return places;
+}
+
 ManyResult fit_many(Image<float> image, const ManySettings& settings, const Progress& progress) {
   settings.fit.validate();
   if (progress) progress(0.0, "looking for objects");

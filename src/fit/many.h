@@ -50,6 +50,9 @@ struct ManyResult {
 /// The stage that fits one of many objects.
 std::vector<Stage> stages_of_many(const FitSettings& settings);
 
+/// Where objects seem to be, as balls of their typical radius, the clearest first: what fit_many starts from.
+std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySettings& settings);
+
 /// Finds and fits. The image is smoothed in place: move it in where it is not needed any more. No object is no error.
 /// \throws UsageError for settings that break a rule; Interrupted.
 ManyResult fit_many(Image<float> image, const ManySettings& settings, const Progress& progress = {});

@@ -10,6 +10,7 @@
 #include "pellicle/energies/profiles.h"
 #include "pellicle/fit/level_fit.h"
 #include "pellicle/fit/objective.h"
+#include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
 
@@ -46,6 +47,23 @@ double diameter_of(const std::vector<Vec3>& points) {
     for (std::size_t j = 0; j < i; ++j) largest = std::max(largest, (extremes[i] - extremes[j]).squaredNorm());
   }
   return std::sqrt(largest);
+}
+
+GeometryData data_of(TriangleMesh surface, int samples) {
+  turn_outward(surface);
+  surface.normals.clear();
+  GeometryData data;
+  data.robust = false;
+  data.points = sample_surface(surface, samples);
+  const ClosestPoint on(surface);
+  for (const Vec3& x : data.points) {
+    const auto& t = surface.triangles[static_cast<std::size_t>(on.query(x).triangle)];
+    const auto at = [&](std::size_t i) -> const Vec3& { return surface.vertices[static_cast<std::size_t>(t[i])]; };
+    data.normals.push_back((at(1) - at(0)).cross(at(2) - at(0)));
+  }
+  data.diameter = diameter_of(surface.vertices);
+  data.surface = std::move(surface);
+  return data;
 }
 
 Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {

@@ -21,6 +21,8 @@ struct GeometryData {
   bool robust = true;                   ///< points far off are outliers
   double diameter = 0.0;                ///< mm, see diameter_of
 };
+/// A closed surface as data: itself, turned outward, and `samples` points spread over it, with its normals.
+GeometryData data_of(TriangleMesh surface, int samples);
 /// Largest distance between two points (extremes along 200 directions), mm. 0 for fewer than two.
 double diameter_of(const std::vector<Vec3>& points);
 

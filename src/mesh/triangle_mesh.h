@@ -15,4 +15,10 @@ struct TriangleMesh {
   std::vector<Vec3> normals;  ///< outward unit normals, one a vertex, or empty when unknown
 };
 
+/// Puts `part` beside what `all` holds. \pre both have normals, or neither.
+void append(TriangleMesh& all, const TriangleMesh& part);
+
+/// Turns a closed mesh whose volume is negative inside out.
+void turn_outward(TriangleMesh& mesh);
+
 }  // namespace pellicle

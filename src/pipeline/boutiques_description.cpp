@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/pipeline/settings.h"
@@ -32,13 +31,6 @@ std::string value_key(const std::string& name) {
   return "[" + key + "]";
 }
 
-std::vector<std::string> words_between_bars(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream in(text);
-  for (std::string word; std::getline(in, word, '|');) words.push_back(word);
-  return words;
-}
-
 bool is_file(const SettingKey& key) {
   static const std::vector<std::string> files{"input", "seeds", "seed-model", "points"};
   return std::find(files.begin(), files.end(), key.name) != files.end();
@@ -63,9 +55,7 @@ Json input_of(const SettingKey& key) {
     input["list-separator"] = fmt::format(" {}=", flag);  // the flag once for each value
   }
   if (on_by_default) input["value-choices"] = {"true", "false"};
-  if (key.kind == SettingKind::text && key.placeholder.find('|') != std::string::npos) {
-    input["value-choices"] = words_between_bars(key.placeholder);
-  }
+  if (const auto words = key.choices(); !words.empty()) input["value-choices"] = words;
   return input;
 }
 

@@ -133,24 +133,6 @@ GeometryInput from_points(const fs::path& path, bool open) {
   return input;
 }
 
-/// A closed surface as data: itself, and points on it with its normals.
-void take_surface(TriangleMesh mesh, GeometryInput& input) {
-  if (volume_of(mesh) < 0.0) {
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-  }
-  mesh.normals.clear();
-  input.data.robust = false;
-  input.data.points = sample_surface(mesh, kMeshSamples);
-  const ClosestPoint on(mesh);
-  for (const Vec3& x : input.data.points) {
-    const auto& t = mesh.triangles[static_cast<std::size_t>(on.query(x).triangle)];
-    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
-    input.data.normals.push_back((at(1) - at(0)).cross(at(2) - at(0)));
-  }
-  input.data.diameter = diameter_of(mesh.vertices);
-  input.data.surface = std::move(mesh);
-}
-
 GeometryInput from_mesh(const fs::path& path, bool open) {
   GeometryInput input;
   input.open = open;
@@ -170,7 +152,7 @@ GeometryInput from_mesh(const fs::path& path, bool open) {
     return input;
   }
   input.genus = topology.genus;
-  take_surface(std::move(mesh), input);
+  input.data = data_of(std::move(mesh), kMeshSamples);
   try {
     const PointTree tree(input.data.points);
     ClosedSolid solid = solid_of_points(input.data.points, point_spacing(tree));
@@ -213,7 +195,7 @@ GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
   }
   input.genus = solid.genus_as_given;
   input.bridged_mm = solid.closing_mm;
-  take_surface(solid.closing_mm > 0.0 ? surface_of_mask(solid.as_given) : solid.surface, input);
+  input.data = data_of(solid.closing_mm > 0.0 ? surface_of_mask(solid.as_given) : solid.surface, kMeshSamples);
   input.body = std::move(solid.as_given);
   input.solid = std::move(solid.surface);
   return input;

@@ -123,15 +123,7 @@ FoundVolume volume_of(const json& report, const fs::path& path) {
 
 TriangleMesh joined(const std::vector<TriangleMesh>& meshes) {
   TriangleMesh all;
-  for (const auto& mesh : meshes) {
-    const int first = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
-    for (auto triangle : mesh.triangles) {
-      for (auto& corner : triangle) corner += first;
-      all.triangles.push_back(triangle);
-    }
-  }
+  for (const auto& mesh : meshes) append(all, mesh);
   return all;
 }
 

@@ -10,7 +10,7 @@
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/qc_picture.h"
 #include "pellicle/pipeline/seeding.h"
-#include "pellicle/seed/blob_scale_space.h"
+#include "pellicle/pipeline/segment_many.h"
 #include "pellicle/surface/icosphere.h"
 
 namespace pellicle {
@@ -43,28 +43,23 @@ std::string words_of(const Seed& seed) {
                      ball->center[2], ball->radius);
 }
 
-// Where --objects many would look: the detection alone.
-std::vector<ObjectSeed> places_of_many(const SegmentSettings& settings, const Image<float>& image) {
+/// What a run would start from: objects that were asked for, or places where --objects many would look for some.
+struct Starts {
   std::vector<ObjectSeed> seeds;
-  const Polarity polarity = settings.fit.polarity;
-  const bool dark = polarity == Polarity::automatic ? looks_dark(image) : polarity == Polarity::dark;
-  const BlobField field = blob_field(image, dark);
-  const std::optional<double> radius = estimate_radius(field, settings.radius);
-  if (!radius) return seeds;
-  for (const BlobSeed& blob : find_blobs(field, *radius, {.valley = settings.valley})) {
-    ObjectSeed seed{.label = static_cast<int>(seeds.size()) + 1, .name = "", .candidates = {}};
-    seed.name = fmt::format("place-{}", seed.label);
-    seed.candidates = {SeedSphere{blob.position, *radius}};
-    seeds.push_back(std::move(seed));
-  }
-  return seeds;
-}
+  bool looked_for = false;
+};
 
-void append(TriangleMesh& all, const TriangleMesh& part) {
-  const auto first = static_cast<int>(all.vertices.size());
-  all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
-  all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
-  for (const auto& t : part.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+Starts starts_of(const SegmentSettings& settings, const Volume& volume, const Image<float>& image) {
+  Starts starts;
+  if (!(volume.max > volume.min)) return starts;
+  starts.seeds = make_seeds(settings, volume.header.grid, image);
+  starts.looked_for = settings.wants_many() && starts.seeds.empty();
+  if (!starts.looked_for) return starts;
+  for (const SeedSphere& place : detect_many(image, many_settings(settings))) {
+    const int label = static_cast<int>(starts.seeds.size()) + 1;
+    starts.seeds.push_back({.label = label, .name = fmt::format("place-{}", label), .candidates = {place}});
+  }
+  return starts;
 }
 
 std::vector<PictureRow> rows_of(const std::vector<ObjectSeed>& seeds, const std::string& stem, bool many) {
@@ -85,12 +80,12 @@ std::vector<PictureRow> rows_of(const std::vector<ObjectSeed>& seeds, const std:
   return rows;
 }
 
-void add_lines(const SegmentSettings& settings, const std::vector<ObjectSeed>& seeds, SeedPreview& preview) {
-  const bool looked_for = settings.wants_many() && !seeds.empty() && seeds.front().name == "place-1";
-  preview.lines.push_back(fmt::format("{} {}", seeds.size(), looked_for ? "places to try" : "objects to fit"));
+void add_lines(const SegmentSettings& settings, const Starts& starts, SeedPreview& preview) {
+  preview.lines.push_back(
+      fmt::format("{} {}", starts.seeds.size(), starts.looked_for ? "places to try" : "objects to fit"));
   std::vector<int> labels;
-  for (const ObjectSeed& seed : seeds) {
-    if (!looked_for) labels.push_back(seed.label);
+  for (const ObjectSeed& seed : starts.seeds) {
+    if (!starts.looked_for) labels.push_back(seed.label);
     for (const Seed& candidate : seed.candidates) {
       if (preview.lines.size() <= kMostLines)
         preview.lines.push_back(fmt::format("{} {}: {}", seed.label, seed.name, words_of(candidate)));
@@ -120,15 +115,12 @@ SeedPreview preview_seeds(const SegmentSettings& settings, const RunContext& con
   resolved.fit.model.kind = settings.model_kind();
   if (settings.points) resolved.fit.points = read_expert_points(settings, volume.header.grid);
   const Image<float> image = in_lps_order(volume.image);
-  std::vector<ObjectSeed> seeds;
-  if (volume.max > volume.min) seeds = make_seeds(resolved, volume.header.grid, image);
-  const bool look = settings.wants_many() && seeds.empty() && volume.max > volume.min;
-  if (look) seeds = places_of_many(settings, image);
+  const Starts starts = starts_of(resolved, volume, image);
   SeedPreview preview{.picture = settings.output / (stem_of(settings) + "_seeds.png"), .lines = {}};
   check_outputs({preview.picture}, true, {settings.input});
   create_folder(settings.output);
-  write_pictures(preview.picture, image, rows_of(seeds, stem_of(settings), settings.wants_many()));
-  add_lines(settings, seeds, preview);
+  write_pictures(preview.picture, image, rows_of(starts.seeds, stem_of(settings), settings.wants_many()));
+  add_lines(settings, starts, preview);
   return preview;
 }
 

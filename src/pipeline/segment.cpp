@@ -29,10 +29,15 @@
 namespace pellicle {
 namespace fs = std::filesystem;
 
-void turn_outward(TriangleMesh& mesh) {
-  if (volume_of(mesh) >= 0.0) return;
-  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  for (auto& normal : mesh.normals) normal = -normal;
+void measure_surface(const TriangleMesh& fine, ObjectResult& object) {
+  object.volume_surface_ml = volume_with_normals(fine) / 1000.0;
+  object.area_mm2 = area_of(fine);
+  object.topology = topology_of(object.mesh);
+  object.self_intersections = self_intersection_count(object.mesh);
+  if (object.self_intersections > 0 && object.fit.status == FitStatus::ok) {
+    object.fit.status = FitStatus::folded;
+    object.fit.reason = fmt::format("the surface cuts itself: {} pairs of facets", object.self_intersections);
+  }
 }
 
 namespace {
@@ -54,7 +59,7 @@ void measure(ObjectResult& object, const SegmentSettings& settings, const ImageG
   for (const auto& vertex : object.mesh.vertices) {
     if (!vertex.allFinite()) throw Error(1, "fit failed (object): the surface is not finite; please report this");
   }
-  turn_outward(object.mesh);
+  turn_outward(object.mesh);  // a surface that was turned inside out keeps its status
   // Coarse meshes that the user asked for still get the volume of the smooth surface.
   const int dense = std::max(object.mesh_level, 4);
   TriangleMesh refined;
@@ -63,14 +68,7 @@ void measure(ObjectResult& object, const SegmentSettings& settings, const ImageG
     turn_outward(refined);
   }
   const TriangleMesh& fine = refined.vertices.empty() ? object.mesh : refined;
-  object.volume_surface_ml = volume_with_normals(fine) / 1000.0;
-  object.area_mm2 = area_of(fine);
-  object.topology = topology_of(object.mesh);
-  object.self_intersections = self_intersection_count(object.mesh);
-  if (object.self_intersections > 0 && object.fit.status == FitStatus::ok) {
-    object.fit.status = FitStatus::folded;
-    object.fit.reason = fmt::format("the surface cuts itself: {} pairs of facets", object.self_intersections);
-  }
+  measure_surface(fine, object);
 }
 
 /// What all objects together look like on the input's grid. Maps that nobody asked for stay empty.

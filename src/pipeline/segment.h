@@ -68,6 +68,10 @@ struct ObjectResult {
   std::optional<ObjectShape> shape = {};  ///< of many objects
 };
 
+/// Volume and area from `fine`, topology and self-intersections from the object's mesh; a surface that cuts itself is
+/// no longer ok but folded. \pre fine has normals.
+void measure_surface(const TriangleMesh& fine, ObjectResult& object);
+
 struct OutputFile {
   std::string kind;  ///< "mask", "mesh", ...
   std::filesystem::path path;
@@ -116,8 +120,5 @@ SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& c
 
 /// What can be refused before any image is read: missing files, outputs that exist. \throws as segment.
 void check_before_work(const SegmentSettings& settings);
-
-/// A surface that was turned inside out keeps its status, but a file of it is outward-oriented all the same.
-void turn_outward(TriangleMesh& mesh);
 
 }  // namespace pellicle

@@ -14,7 +14,6 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/fit/many.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/pipeline/voxels.h"
@@ -96,15 +95,8 @@ void measure_one(const SegmentSettings& settings, const ImageGrid& grid, Layouts
   object.mesh_level = level_of(settings, base_facets(object.surface.model), area_of(fine), grid);
   object.mesh = object.mesh_level == 3 ? fine : layouts.mesh(object.surface, object.mesh_level);
   turn_outward(object.mesh);
-  object.volume_surface_ml = volume_with_normals(fine) / 1000.0;
   object.volume_mesh_ml = volume_of(object.mesh) / 1000.0;
-  object.area_mm2 = area_of(fine);
-  object.topology = topology_of(object.mesh);
-  object.self_intersections = self_intersection_count(object.mesh);
-  if (object.self_intersections > 0 && object.fit.status == FitStatus::ok) {
-    object.fit.status = FitStatus::folded;
-    object.fit.reason = fmt::format("the surface cuts itself: {} pairs of facets", object.self_intersections);
-  }
+  measure_surface(fine, object);
   ObjectShape& shape = *object.shape;
   shape.centre = centroid_of(fine);
   shape.elongation = elongation_of(fine);
@@ -153,14 +145,13 @@ double z_extent(const std::vector<ObjectResult>& objects) {
 
 }  // namespace
 
+ManySettings many_settings(const SegmentSettings& settings) {
+  return {settings.fit, settings.radius, {.valley = settings.valley}};
+}
+
 TriangleMesh merged_mesh(const std::vector<ObjectResult>& objects) {
   TriangleMesh all;
-  for (const ObjectResult& object : objects) {
-    const auto first = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), object.mesh.vertices.begin(), object.mesh.vertices.end());
-    all.normals.insert(all.normals.end(), object.mesh.normals.begin(), object.mesh.normals.end());
-    for (const auto& t : object.mesh.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
+  for (const ObjectResult& object : objects) append(all, object.mesh);
   return all;
 }
 
@@ -169,7 +160,7 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
   const auto progress = [&](double share, const std::string& what) {
     if (context.progress) context.progress(0.1 + 0.6 * share, what);
   };
-  const ManySettings settings{result.settings.fit, result.settings.radius, {.valley = result.settings.valley}};
+  const ManySettings settings = many_settings(result.settings);
   PhaseClock clock;
   clock.start("fit");
   ManyResult many;

@@ -4,17 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/fit/many.h"
 #include "pellicle/pipeline/seeding.h"
 #include "pellicle/pipeline/segment.h"
 
 namespace pellicle {
+
+ManySettings many_settings(const SegmentSettings& settings);
 
 /// Finds the objects or, when the user gave seeds, fits one to each; fills result.objects and result.many.
 void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, const RunContext& context,
                       SegmentResult& result);
 
 /// Meshes, measures and voxel labels of all objects. Meshes are coarser than those of one object: facets of about a
-/// voxel, at most 3000. \param fraction filled when it has the labels' grid.
+/// voxel, at most 4000. \param fraction filled when it has the labels' grid.
 Image<std::uint16_t> measure_many(SegmentResult& result, const ImageGrid& grid, Image<float>& fraction);
 
 /// All objects' meshes as one.

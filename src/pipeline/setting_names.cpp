@@ -179,16 +179,29 @@ int integer_of(const std::string& word, const std::string& where) {
   return value;
 }
 
-std::vector<std::string> split_commas(const std::string& text) {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
-    if (c == ',') {
+    if (c == separator) {
       parts.emplace_back();
     } else if (c != ' ' && c != '\t') {
       parts.back() += c;
     }
   }
   return parts;
+}
+
+}  // namespace
+
+std::vector<std::string> split_commas(const std::string& text) {
+  return split(text, ',');
+}
+
+std::vector<std::string> SettingKey::choices() const {
+  if (kind != SettingKind::text || placeholder.find('|') == std::string::npos) return {};
+  return split(placeholder, '|');
 }
 
 }  // namespace pellicle

@@ -92,6 +92,9 @@ struct SettingKey {
   /// \param where is named in the error. \throws UsageError.
   std::function<void(SegmentSettings&, const SettingValues&, const std::string& where)> set;
   std::function<SettingValues(const SegmentSettings&)> get;  ///< empty: not set
+
+  /// The words that it takes, one of them, as the placeholder lists them; empty for any other setting.
+  std::vector<std::string> choices() const;
 };
 
 /// All settings in the order of the help. Stages are no flags: see settings_toml.h.

@@ -49,13 +49,9 @@ bool is_left_out(const SettingKey& key) {
 }
 
 std::vector<std::string> choices_of(const SettingKey& key) {
+  if (key.name != "preset") return key.choices();
   std::vector<std::string> words;
-  if (key.name == "preset") {
-    for (const auto& preset : list_presets()) words.push_back(preset.name);
-  } else if (key.kind == SettingKind::text && key.placeholder.find('|') != std::string::npos) {
-    std::istringstream in(key.placeholder);
-    for (std::string word; std::getline(in, word, '|');) words.push_back(word);
-  }
+  for (const auto& preset : list_presets()) words.push_back(preset.name);
   return words;
 }
 

@@ -48,6 +48,45 @@ TEST_P(HandledMask, StartsFromItsVoxelsAndKeepsTheHandle) {
   EXPECT_LE(assd(start, phantom.truth_surface), 0.4);
 }
 
+// A torus whose ring leaves the volume above and below: what is cut off must not go on.
+TEST_P(HandledMask, EndsWhereTheVolumeCutsIt) {
+  ImageGrid grid;
+  grid.size = {56, 56, 10};  // the torus's own plane is at 5
+  Image<std::uint8_t> cut(grid);
+  for (int k = 0; k < grid.size[2]; ++k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        const double from_circle = std::hypot(i - 27.5, j - 27.5) - 17.0;
+        cut.at(i, j, k) = std::hypot(from_circle, k - 5.0) < 7.0 ? 1 : 0;
+      }
+    }
+  }
+  ModelChoice choice;
+  choice.kind = GetParam();
+  const Surface start = surface_from_mask(cut, choice, 2);
+  EXPECT_EQ(topology_of(tessellate(start, 3)).genus, 1);
+  EXPECT_GE(dice(start, cut), 0.93);
+  double highest = -1e300;
+  for (const Vec3& x : tessellate(start, 3).vertices) highest = std::max(highest, grid.index_from_world(x)[2]);
+  EXPECT_LE(highest, grid.size[2] + 1.0);
+}
+
+// Noise alone draws a surface nowhere in particular: another tool's mask is handed back, and not as ok.
+TEST(MaskAsSeed, IsKeptWhereTheImageLeadsItNowhere) {
+  PhantomSettings s = small_phantom("torus");
+  s.radius = {10.0, 4.0};
+  s.size = {36, 36, 24};
+  Phantom phantom = make_phantom(s);
+  RandomEngine random(11);
+  for (float& v : phantom.image.voxels) v = static_cast<float>(50.0 + 10.0 * random.normal());
+  FitSettings settings;
+  settings.model.kind = ModelKind::slime;
+  const Surface start = surface_from_mask(phantom.truth, settings.model, 2);
+  const FitResult result = fit_surface(phantom.image, {Seed(start)}, settings);
+  EXPECT_NE(result.summary.status, FitStatus::ok);
+  EXPECT_GE(dice(result.surface, phantom.truth), 0.93) << result.summary.reason;
+}
+
 TEST(GeometryCache, TellsControlMeshesOfEqualCountsApart) {
   const CatmullClarkModel cube = CatmullClarkModel::start();
   // The same cube with two corners' numbers exchanged, and with a longer reference.

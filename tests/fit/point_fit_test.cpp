@@ -18,21 +18,6 @@
 namespace pellicle {
 namespace {
 
-GeometryData data_of(const TriangleMesh& mesh, int points = 1000) {
-  GeometryData data;
-  data.points = sample_surface(mesh, points);
-  const ClosestPoint on(mesh);
-  for (const Vec3& x : data.points) {
-    const auto& t = mesh.triangles[static_cast<std::size_t>(on.query(x).triangle)];
-    const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
-    data.normals.push_back((at(1) - at(0)).cross(at(2) - at(0)));
-  }
-  data.surface = mesh;
-  data.robust = false;
-  data.diameter = diameter_of(mesh.vertices);
-  return data;
-}
-
 GeometryData cloud_of(std::vector<Vec3> points) {
   GeometryData data;
   data.points = std::move(points);
@@ -88,7 +73,7 @@ class Kinds : public testing::TestWithParam<ModelKind> {};
 
 TEST_P(Kinds, EllipsoidsAreMetToTheirFacets) {
   const TriangleMesh mesh = ellipsoid(3);
-  const PointFit fit = fitted(GetParam(), 1, data_of(mesh), mesh);
+  const PointFit fit = fitted(GetParam(), 1, data_of(mesh, 1000), mesh);
   // The facets of the data themselves miss the ellipsoid by 0.4 % of the diameter.
   EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
   EXPECT_EQ(fit.summary.self_intersections, 0U);
@@ -96,7 +81,7 @@ TEST_P(Kinds, EllipsoidsAreMetToTheirFacets) {
 
 TEST_P(Kinds, MoreDetailLeavesLess) {
   const TriangleMesh mesh = bean(3);
-  const GeometryData data = data_of(mesh);
+  const GeometryData data = data_of(mesh, 1000);
   double before = 1e300;
   for (const int detail : {0, 1}) {
     const PointFit fit = fitted(GetParam(), detail, data, mesh);
@@ -164,7 +149,7 @@ TEST(FitFrom, AnyGenusFromVoxels) {
   const TriangleMesh mesh = test::torus(30, 15, 15.0, 5.0);
   ModelChoice choice;
   choice.kind = ModelKind::catmull_clark;
-  const GeometryData data = data_of(mesh);
+  const GeometryData data = data_of(mesh, 1000);
   const VoxelSeed voxels = voxel_seed_of_mask(solid_of_points(data.points, 0.5).as_given, 4.5);
   ASSERT_EQ(voxels.genus, 1);
   PointFit fit = fit_from(*seed_surface(voxels.mesh, choice), data, few_steps(data), false);
@@ -177,7 +162,7 @@ TEST(FitFrom, PullsASurfaceThatIsNear) {
   const TriangleMesh mesh = ellipsoid(3);
   const SurfaceModel model = model_of(ModelKind::spline, 1);
   const Surface start{model, affine_image(model, Vec3(40, -10, 5), 14.0 * Mat3::Identity())};
-  const GeometryData data = data_of(mesh);
+  const GeometryData data = data_of(mesh, 1000);
   PointFit fit = fit_from(start, data, few_steps(data), false);
   measure_fit(data, fit);
   EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
