@@ -9,7 +9,7 @@ configure_package_config_file(cmake/pellicleConfig.cmake.in ${CMAKE_BINARY_DIR}/
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/pellicleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/pellicleConfig.cmake ${CMAKE_BINARY_DIR}/pellicleConfigVersion.cmake
-        cmake/PellicleDependencies.cmake cmake/FindOpenSubdiv.cmake
+        cmake/PellicleDependencies.cmake cmake/FindCHOLMOD.cmake cmake/FindOpenSubdiv.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle COMPONENT development)
 
 install(DIRECTORY presets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle/presets COMPONENT program

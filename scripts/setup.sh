@@ -9,7 +9,7 @@ shift || true
 packages=(
   g++ cmake ninja-build ccache git ca-certificates
   libinsighttoolkit5-dev libgdcm-dev libnifti-dev libtiff-dev zlib1g-dev
-  libceres-dev libeigen3-dev libopenvdb-dev libboost-iostreams-dev libembree-dev libosd-dev libtbb-dev
+  libceres-dev libsuitesparse-dev libeigen3-dev libopenvdb-dev libboost-iostreams-dev libembree-dev libosd-dev libtbb-dev
   libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libspdlog-dev libfmt-dev libpugixml-dev libssl-dev libpng-dev
   libgtest-dev libgmock-dev libbenchmark-dev libnanoflann-dev
   clang-format clang-tidy

@@ -1,6 +1,8 @@
 #include "pellicle/fit/linear_system.h"
 
-#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/CholmodSupport>
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,6 +73,13 @@ std::vector<std::set<int>> meetings(const SampleLayout& layout, const Eigen::Spa
 }
 
 }  // namespace
+
+/// Supernodes: a surface's neighbourhoods fill up to dense blocks.
+struct LinearSystem::Factor {
+  Eigen::CholmodSupernodalLLT<Matrix> cholesky;
+};
+
+LinearSystem::~LinearSystem() = default;
 
 LinearSystem::LinearSystem(const SampleLayout& layout, std::size_t blocks,
                            const std::vector<GroupedOperator>& operators)
@@ -154,24 +163,15 @@ bool LinearSystem::add_row(const ScalarRows& rows, std::size_t row, const Parame
   return known;
 }
 
-// Factors fill up with the size; then conjugate gradients, preconditioned by a factor without fill, are far faster.
 std::optional<Eigen::VectorXd> LinearSystem::solved_for(const Eigen::VectorXd& right) {
-  constexpr Eigen::Index kFactored = 1500;
-  if (right.size() > kFactored) {
-    Eigen::ConjugateGradient<Matrix, Eigen::Lower, Eigen::IncompleteCholesky<double>> iterative;
-    iterative.setTolerance(1e-8);
-    iterative.setMaxIterations(400);
-    iterative.compute(normal_);
-    if (iterative.info() == Eigen::Success) {
-      Eigen::VectorXd x = iterative.solve(right);
-      if (iterative.info() == Eigen::Success && x.allFinite()) return x;
-    }
+  omp_set_num_threads(1);  // as in solve.cpp
+  if (!factor_) {
+    factor_ = std::make_unique<Factor>();
+    factor_->cholesky.analyzePattern(normal_);
   }
-  if (!analysed_) factor_.analyzePattern(normal_);
-  analysed_ = true;
-  factor_.factorize(normal_);
-  if (factor_.info() != Eigen::Success) return std::nullopt;
-  Eigen::VectorXd x = factor_.solve(right);
+  factor_->cholesky.factorize(normal_);
+  if (factor_->cholesky.info() != Eigen::Success) return std::nullopt;
+  Eigen::VectorXd x = factor_->cholesky.solve(right);
   if (!x.allFinite()) return std::nullopt;
   return x;
 }

@@ -6,8 +6,8 @@
 /// matrix, K = (L W)^T (L W), is a scalar matrix over the blocks, made once a stage; rows add 3 x 3 blocks (v v^T).
 /// Targets t of operators (the motion's: dynamics.h) may change from step to step.
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,6 +21,8 @@ class LinearSystem {
   /// \param layout of a linear model (it has stencils); `blocks` parameter blocks. Layout and operators must outlive
   /// this.
   LinearSystem(const SampleLayout& layout, std::size_t blocks, const std::vector<GroupedOperator>& operators);
+  LinearSystem(LinearSystem&&) = delete;
+  ~LinearSystem();
   /// Moves `parameters` to the minimum of half the squared residuals. Returns false, and leaves them alone, when
   /// numbers are not finite, the matrix cannot be factorised, or a row joins samples that share neither patch nor
   /// facet.
@@ -39,8 +41,8 @@ class LinearSystem {
   std::vector<std::pair<const GroupedOperator*, Matrix>> aimed_;  ///< operators with targets, and their L W
   std::vector<int> start_, at_;  ///< pattern: the row blocks at or below the diagonal of each column block, ascending
   Matrix normal_;                ///< lower half of the normal matrix, with the pattern's entries only
-  Eigen::SimplicialLLT<Matrix> factor_;
-  bool analysed_ = false;
+  struct Factor;
+  std::unique_ptr<Factor> factor_;  ///< none before the first step
   std::vector<std::pair<int, Vec3>> derivative_;  ///< of one row by its blocks; room that is used again
   std::vector<double> local_;                     ///< symmetric 3 x 3 blocks of one patch; room that is used again
 };
