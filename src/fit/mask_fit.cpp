@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <optional>
 
-#include "pellicle/base/errors.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/resample.h"
 #include "pellicle/mesh/overlap.h"
+#include "pellicle/raster/mask_part.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/components.h"
 #include "pellicle/seed/seed_surface.h"
@@ -16,64 +15,17 @@
 namespace pellicle {
 namespace {
 
-/// The largest part of a mask, alone, and as an image: its box with room around it, so that what the volume cuts off
-/// ends there instead of going on for ever.
+/// The largest part of a mask, alone, and as an image.
 struct Part {
   Image<std::uint8_t> mask;
   Image<float> image;
 };
 
-/// The box of the voxels with `label`, and a tenth of its length and four voxels more on every side.
-IndexBox box_of(const Image<std::int32_t>& labels, std::int32_t label) {
-  Index3 first = labels.grid.size, last{-1, -1, -1};
-  for (int k = 0; k < labels.grid.size[2]; ++k) {
-    for (int j = 0; j < labels.grid.size[1]; ++j) {
-      for (int i = 0; i < labels.grid.size[0]; ++i) {
-        if (labels.at(i, j, k) != label) continue;
-        const Index3 here{i, j, k};
-        for (std::size_t a = 0; a < 3; ++a) {
-          first[a] = std::min(first[a], here[a]);
-          last[a] = std::max(last[a], here[a]);
-        }
-      }
-    }
-  }
-  IndexBox box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const int length = last[a] - first[a] + 1, room = 4 + length / 10;
-    box.begin[a] = first[a] - room;
-    box.size[a] = length + 2 * room;
-  }
-  return box;
-}
-
-Part largest_part(const Image<std::uint8_t>& mask) {
-  const Image<std::uint8_t> ordered = in_lps_order(mask);
-  const Components components = components_of(ordered);
-  if (components.parts.empty()) throw BadData("the seed mask is empty");
-  const int largest = components.parts.front().id;
-  const IndexBox box = box_of(components.labels, largest);
-  ImageGrid grid = ordered.grid;
-  grid.size = box.size;
-  grid.origin_in_world = ordered.grid.world_from_index({1.0 * box.begin[0], 1.0 * box.begin[1], 1.0 * box.begin[2]});
-  Part part{Image<std::uint8_t>(grid), Image<float>(grid)};
-  const auto inside = [&](const Index3& at) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (at[a] < 0 || at[a] >= ordered.grid.size[a]) return false;
-    }
-    return components.labels.at(at[0], at[1], at[2]) == largest;
-  };
-  std::size_t voxel = 0;
-  for (int k = 0; k < box.size[2]; ++k) {
-    for (int j = 0; j < box.size[1]; ++j) {
-      for (int i = 0; i < box.size[0]; ++i, ++voxel) {
-        if (inside({box.begin[0] + i, box.begin[1] + j, box.begin[2] + k})) {
-          part.mask.voxels[voxel] = 1;
-          part.image.voxels[voxel] = 1.0F;
-        }
-      }
-    }
-  }
+Part part_of(const Image<std::uint8_t>& mask) {
+  constexpr int kMargin = 8;  // wider than the blur of any stage
+  Part part{largest_part(in_lps_order(mask), kMargin), {}};
+  part.image = Image<float>(part.mask.grid);
+  std::copy(part.mask.voxels.begin(), part.mask.voxels.end(), part.image.voxels.begin());
   return part;
 }
 
@@ -133,7 +85,7 @@ std::optional<Surface> from_voxels(const Part& part, const VoxelSeed& voxels, co
 }  // namespace
 
 Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& choice, int detail) {
-  const Part part = largest_part(mask);
+  const Part part = part_of(mask);
   const VoxelSeed voxels = voxel_seed_of_mask(part.mask);
   if (voxels.genus > 0) {
     if (const std::optional<Surface> start = from_voxels(part, voxels, choice)) return *start;

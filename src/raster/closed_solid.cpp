@@ -7,6 +7,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/raster/mask_morphology.h"
+#include "pellicle/raster/mask_part.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -97,38 +98,10 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
 }
 
 ClosedSolid solid_of_mask(const Mask& mask) {
-  const Index3& size = mask.grid.size;
-  Index3 lo = size, hi{-1, -1, -1};
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        if (mask.at(i, j, k) == 0) continue;
-        const Index3 at{i, j, k};
-        for (std::size_t a = 0; a < 3; ++a) {
-          lo[a] = std::min(lo[a], at[a]);
-          hi[a] = std::max(hi[a], at[a]);
-        }
-      }
-    }
-  }
-  if (hi[0] < 0) throw BadData("the mask is empty");
   std::optional<int> given;
   Mask given_mask;
   for (const int steps : {0, 1, 2, 4, 8, 16, 32}) {
-    const int margin = steps + 2;
-    ImageGrid grid = mask.grid;
-    for (std::size_t a = 0; a < 3; ++a) grid.size[a] = hi[a] - lo[a] + 1 + 2 * margin;
-    grid.origin_in_world = mask.grid.world_from_index(Vec3(lo[0] - margin, lo[1] - margin, lo[2] - margin));
-    Mask part(grid);
-    for (int k = lo[2]; k <= hi[2]; ++k) {
-      for (int j = lo[1]; j <= hi[1]; ++j) {
-        for (int i = lo[0]; i <= hi[0]; ++i) {
-          part.at(i - lo[0] + margin, j - lo[1] + margin, k - lo[2] + margin) = mask.at(i, j, k) != 0 ? 1 : 0;
-        }
-      }
-    }
-    keep_largest(part);
-    part = closed(std::move(part), steps);
+    Mask part = closed(largest_part(mask, steps + 2), steps);
     ClosedSolid solid{surface_of_mask(part), 2.0 * steps * mask.grid.mean_spacing(), 0, {}};
     if (steps == 0) given_mask = std::move(part);
     const int genus = genus_of(solid.surface);
