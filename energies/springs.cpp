@@ -112,15 +112,14 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
   return rows;
 }
 
-std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor) {
+std::vector<double> huber_weights(const std::vector<double>& distances, double cutoff, double floor) {
   std::vector<double> sizes;
   sizes.reserve(distances.size());
   for (const double d : distances) sizes.push_back(std::abs(d));
   const double c = cutoff * std::max(floor, 1.4826 * median_of(sizes));
   std::vector<double> weights(distances.size());
   for (std::size_t k = 0; k < weights.size(); ++k) {
-    const double q = 1.0 - distances[k] * distances[k] / (c * c);
-    weights[k] = q > 0.0 ? q * q : 0.0;
+    weights[k] = sizes[k] > c ? c / sizes[k] : 1.0;
   }
   return weights;
 }

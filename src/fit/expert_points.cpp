@@ -43,11 +43,11 @@ ExpertRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, c
   for (const Attachment& a : attachments) size.push_back(a.distance);
   ExpertRows out;
   out.distances = summary_of(points, size);
-  const double c = std::max(2.0 * h, 3.0 * 1.4826 * median_of(size));
+  const std::vector<double> sound = huber_weights(size, 3.0, 2.0 / 3.0 * h);
   double total = 0.0, squares = 0.0, left_out = 0.0;
   weights.reserve(size.size());
   for (std::size_t k = 0; k < size.size(); ++k) {
-    const double w = weight_at(points, k), robust = size[k] > c ? w * c / size[k] : w;
+    const double w = weight_at(points, k), robust = w * sound[k];
     if (hold_out && RandomEngine(k).next() % 4 == 0) {
       squares += robust * size[k] * size[k];
       left_out += w;

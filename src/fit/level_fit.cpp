@@ -19,7 +19,7 @@ namespace pellicle {
 namespace {
 
 constexpr std::size_t kMostPoints = 60000;  ///< springs of one step; all points are measured
-constexpr double kTukey = 6.0;              ///< cutoff of robust weights, in robust deviations
+constexpr double kHuber = 3.0;              ///< where robust weights begin to fall, in robust deviations
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 // Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
@@ -78,12 +78,10 @@ bool is_held_out(std::size_t point) {
   return RandomEngine(point).next() % 10 == 0;
 }
 
-double rms(const std::vector<Attachment>& at, const std::vector<double>& weights) {
-  double squares = 0.0, total = 0.0;
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    squares += weights[k] * at[k].distance * at[k].distance;
-    total += weights[k];
-  }
+/// \param total of the weights before they were made robust.
+double rms(const std::vector<Attachment>& at, const std::vector<double>& weights, double total) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < at.size(); ++k) squares += weights[k] * at[k].distance * at[k].distance;
   return total > 0.0 ? std::sqrt(squares / total) : 0.0;
 }
 
@@ -167,12 +165,14 @@ void LevelFit::choose_points() {
   const std::size_t stride = std::max<std::size_t>(1, n / std::min(kMostPoints, wanted));
   for (std::size_t k = 0; k < n; ++k) {
     if (stride > 1 && RandomEngine(k ^ 0x5bd1e995U).next() % stride != 0) continue;
+    const double given = data_.weights.empty() ? 1.0 : data_.weights[k];
     if (hold_out_ && is_held_out(k)) {
       held_out_.push_back(data_.points[k]);
+      held_out_weight_.push_back(given);
       continue;
     }
     chosen_.push_back(data_.points[k]);
-    given_weight_.push_back(data_.weights.empty() ? 1.0 : data_.weights[k]);
+    given_weight_.push_back(given);
     if (!data_.normals.empty()) chosen_normal_.push_back(data_.normals[k]);
     total_weight_ += given_weight_.back();
   }
@@ -181,7 +181,7 @@ void LevelFit::choose_points() {
 std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) const {
   std::vector<double> weights = given_weight_;
   if (data_.robust) {
-    const std::vector<double> sound = tukey_weights(distances_of(at), kTukey, deviation_ * data_.diameter);
+    const std::vector<double> sound = huber_weights(distances_of(at), kHuber, deviation_ * data_.diameter);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
   // The other side of a sheet is no match.
@@ -193,13 +193,18 @@ std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) cons
 
 // Points near a sheet's wrong side count with their distance: a surface that collapses there must not look good.
 double LevelFit::rms_of(const std::vector<Attachment>& at) const {
-  return rms(at, data_.robust ? weights_of(at) : given_weight_);
+  return rms(at, data_.robust ? weights_of(at) : given_weight_, total_weight_);
 }
 
 double LevelFit::held_out_rms(const SurfaceSamples& samples) const {
   const std::vector<Attachment> at = attach(held_out_, layout_, samples);
-  return rms(at, data_.robust ? tukey_weights(distances_of(at), kTukey, kLeastDeviation * data_.diameter)
-                              : std::vector<double>(at.size(), 1.0));
+  std::vector<double> weights = held_out_weight_;
+  const double total = sum(weights);
+  if (data_.robust) {
+    const std::vector<double> sound = huber_weights(distances_of(at), kHuber, kLeastDeviation * data_.diameter);
+    for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
+  }
+  return rms(at, weights, total);
 }
 
 // Bending with the weight of this model times `factor`.
@@ -297,7 +302,7 @@ void LevelFit::hold_back(const Parameters& before) {
 
 // Steps until the residual stops falling. The best of all, the start left aside, is kept.
 void LevelFit::springs() {
-  set_bending(1.0);
+  set_bending(data_.robust ? std::sqrt(kFirstDeviation / kLeastDeviation) : 1.0);
   if (anchors_.empty()) cut_ = cuts_of(surface_.parameters).pairs > 0;
   double best = -1.0;
   Parameters best_parameters;
@@ -308,6 +313,7 @@ void LevelFit::springs() {
     step();
     if (deviation_ > kLeastDeviation) {
       deviation_ = std::max(kLeastDeviation, kDeviationShare * deviation_);
+      if (data_.robust) set_bending(std::sqrt(deviation_ / kLeastDeviation));
       continue;
     }
     SurfaceSamples samples;

@@ -68,7 +68,7 @@ class LevelFit {
   std::unique_ptr<ClosestPoint> data_surface_;
   std::unique_ptr<PointTree> rim_;  ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
-  std::vector<double> given_weight_;
+  std::vector<double> given_weight_, held_out_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;
   double deviation_ = 1e-4;  ///< least robust deviation, of the diameter
   int steps_ = 0, iterations_ = 0;

@@ -1,7 +1,7 @@
 #include "pellicle/fit/linear_system.h"
 
-#include <Eigen/CholmodSupport>
 #include <omp.h>
+#include <Eigen/CholmodSupport>
 
 #include <algorithm>
 #include <array>

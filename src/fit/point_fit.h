@@ -14,7 +14,7 @@ namespace pellicle {
 /// What is fitted to, LPS mm.
 struct GeometryData {
   std::vector<Vec3> points;
-  std::vector<Vec3> normals;            ///< outward, one a point; empty: not known
+  std::vector<Vec3> normals;            ///< outward, one a point (zero: not known); empty: none is known
   std::vector<double> weights;          ///< one a point, >= 0; empty: all alike
   std::optional<TriangleMesh> surface;  ///< closed and outward when the data are one: samples are pulled to it as well
   std::vector<Vec3> rim;                ///< points where an open surface ends; empty: it is closed

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/base/parallel.h"
+#include "pellicle/energies/profiles.h"
 #include "pellicle/image/reorder.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/distance.h"
@@ -35,24 +37,20 @@ bool is_mesh_file(const fs::path& path) {
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
-/// Points whose neighbours are much further away than is usual: they do not help to lay a shell.
-std::vector<Vec3> without_strays(const std::vector<Vec3>& points, const PointTree& tree) {
+/// Points whose neighbours are much further away than is usual: 1 for those that are not. \param tree of all points or
+/// of some, evenly chosen.
+std::vector<std::uint8_t> near_others(const std::vector<Vec3>& points, const PointTree& tree) {
   constexpr int kNeighbours = 6;
+  constexpr double kFar = 5.0;
   std::vector<double> reach(points.size());
-  std::vector<double> sorted;
-  sorted.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    reach[i] = tree.nearest(points[i], kNeighbours + 1).back().distance;
-    sorted.push_back(reach[i]);
-  }
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double usual = sorted[sorted.size() / 2];
-  std::vector<Vec3> kept;
-  kept.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (reach[i] <= 5.0 * usual) kept.push_back(points[i]);
-  }
-  return kept;
+  parallel_for(points.size(), 1000, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) reach[i] = tree.nearest(points[i], kNeighbours + 1).back().distance;
+  });
+  const double usual = median_of(reach);
+  std::vector<std::uint8_t> near(points.size());
+  std::transform(reach.begin(), reach.end(), near.begin(),
+                 [&](double r) { return static_cast<std::uint8_t>(r <= kFar * usual ? 1 : 0); });
+  return near;
 }
 
 // A subset is enough for the shell.
@@ -79,14 +77,23 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
 }
 
 void lay_shell(const std::string& name, GeometryInput& input) {
-  const std::vector<Vec3> thin = thinned(input.data.points, 200000);
-  const PointTree tree(thin);
-  const std::vector<Vec3> kept = without_strays(thin, tree);
-  if (kept.size() < thin.size()) {
-    input.warnings.push_back(
-        fmt::format("{} of {} points lie apart from the rest and were left out of the start surface",
-                    thin.size() - kept.size(), thin.size()));
+  const PointTree tree(thinned(input.data.points, 200000));
+  const std::vector<std::uint8_t> near = near_others(input.data.points, tree);
+  std::vector<double>& weights = input.data.weights;
+  if (weights.empty()) weights.assign(input.data.points.size(), 1.0);
+  std::vector<Vec3> together;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (near[i] == 0) {
+      weights[i] = 0.0;
+    } else {
+      together.push_back(input.data.points[i]);
+    }
   }
+  if (together.size() < near.size()) {
+    input.warnings.push_back(fmt::format("{} of {} points lie apart from the rest and take no part in the fit",
+                                         near.size() - together.size(), near.size()));
+  }
+  const std::vector<Vec3> kept = thinned(together, 200000);
   input.data.diameter = diameter_of(kept);
   if (input.open) {
     take_rim(name, kept, input);
@@ -100,6 +107,11 @@ void lay_shell(const std::string& name, GeometryInput& input) {
     input.bridged_mm = solid.closing_mm;
   } catch (const BadData& fault) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
+  }
+  std::vector<Vec3> normals = plane_normals(tree);
+  turn_out_of(input.body, tree.points(), normals);
+  for (const Vec3& x : input.data.points) {
+    input.data.normals.push_back(normals[static_cast<std::size_t>(tree.nearest(x, 1).front().point)]);
   }
 }
 

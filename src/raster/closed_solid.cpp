@@ -97,6 +97,28 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
   throw BadData("surface around points: no closed surface of genus 0 could be laid around them");
 }
 
+void turn_out_of(const Mask& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals) {
+  const ImageGrid& grid = solid.grid;
+  const auto inside = [&](const Vec3& x) {
+    Index3 at{};
+    const Vec3 index = grid.index_from_world(x);
+    for (int a = 0; a < 3; ++a) {
+      const auto axis = static_cast<std::size_t>(a);
+      at[axis] = static_cast<int>(std::lround(index[a]));
+      if (at[axis] < 0 || at[axis] >= grid.size[axis]) return 0;
+    }
+    return static_cast<int>(solid.at(at[0], at[1], at[2]));
+  };
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    int behind = 0;
+    for (int step = 1; step <= 3; ++step) {
+      const Vec3 away = step * grid.mean_spacing() * normals[k];
+      behind += inside(points[k] - away) - inside(points[k] + away);
+    }
+    normals[k] *= behind > 0 ? 1.0 : behind < 0 ? -1.0 : 0.0;
+  }
+}
+
 ClosedSolid solid_of_mask(const Mask& mask) {
   std::optional<int> given;
   Mask given_mask;

@@ -23,6 +23,10 @@ struct ClosedSolid {
 /// (fewer than four points, all in one plane).
 ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing);
 
+/// Turns normals so that they leave the solid: what lies one to three voxels before and behind a point decides. Those
+/// of points that have the same on both sides (where sheets melt together) become zero.
+void turn_out_of(const Image<std::uint8_t>& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals);
+
 /// The largest part of a mask, cavities filled, closed with growing cubes until it has genus 0.
 /// \throws BadData when the mask is empty.
 ClosedSolid solid_of_mask(const Image<std::uint8_t>& mask);

@@ -139,13 +139,15 @@ TEST(ReverseSprings, MeasureASphereWithinASphere) {
   EXPECT_LT(reverse_spring_rows(surface_samples(inner), area, nearest, inward, 5.0, 1.0).size(), inner.x.size());
 }
 
-TEST(TukeyWeights, AreOneAtHomeAndNothingFarOff) {
+TEST(HuberWeights, AreOneAtHomeAndPullNoHarderFarOff) {
   std::vector<double> distances(100, 0.1);
   distances.push_back(50.0);
-  const auto w = tukey_weights(distances, 6.0, 1e-3);
-  EXPECT_TRUE(w[0] > 0.95);
-  EXPECT_EQ(w.back(), 0.0);
-  EXPECT_THAT(tukey_weights({0.0, 0.0}, 6.0, 1e-3), testing::Each(1.0));
+  distances.push_back(500.0);
+  const auto w = huber_weights(distances, 3.0, 1e-3);
+  EXPECT_EQ(w[0], 1.0);
+  EXPECT_NEAR(w[100] * 50.0, w[101] * 500.0, 1e-12);
+  EXPECT_NEAR(w[101] * 500.0, 3.0 * 1.4826 * 0.1, 1e-12);
+  EXPECT_THAT(huber_weights({0.0, 0.0}, 3.0, 1e-3), testing::Each(1.0));
 }
 
 TEST(TargetRows, AreTheMeanSquaredDistance) {
