@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <concepts>
 
 #include "extending/ellipsoid_model.h"
 #include "extending/floor.h"
