@@ -133,7 +133,7 @@ std::string slicer_description() {
            "Wraps a smooth closed surface, a few-parameter deformable surface, around one object or around every one "
            "of many, and gives its mask and its mesh.");
   add_text(executable, "version", program_version());
-  add_text(executable, "documentation-url", "");
+  add_text(executable, "documentation-url", "");  // ModuleDescription.xsd demands the element; it may be empty
   add_text(executable, "license", "Apache-2.0");
   add_text(executable, "contributor", "The Pellicle authors");
 

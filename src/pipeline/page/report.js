@@ -34,7 +34,7 @@
     {title: 'Objects', number: true, wide: true, cell: (c) => number(c.objects.length || null), value: (c) => c.objects.length},
     {title: 'Evidence', number: true, wide: true, cell: (c) => number(c.evidence, 3), value: (c) => c.evidence},
     {title: 'Time, s', number: true, wide: true, cell: (c) => number(c.seconds, 3), value: (c) => c.seconds},
-    {title: 'Why', message: true, wide: true, cell: (c) => c.reason, value: (c) => c.reason},
+    {title: 'Why', message: true, wide: true, cell: (c) => element('span', {}, c.reason), value: (c) => c.reason},
   ];
   const state = {sort: 0, down: false, filter: '', chosen: -1, order: []};
   const rows = new Map();
@@ -260,7 +260,7 @@
     document.head.append(script);
     const nv = new window.niivue.Niivue({backColor: [0.047, 0.051, 0.063, 1], show3Dcrosshair: false, isOrientCube: false, dragAndDropEnabled: false,
       logLevel: 'error', isRadiologicalConvention: true, isSliceMM: true, crosshairWidth: 0.25, crosshairWidthUnit: 'percent', crosshairColor: [0.34, 0.71, 0.91, 0.6], fontColor: [0.85, 0.87, 0.9, 1], fontSizeScaling: 0.35, meshThicknessOn2D: 0,
-      loadingText: '', multiplanarPadPixels: 4, isCornerOrientationText: false});
+      loadingText: '', multiplanarPadPixels: 4, isCornerOrientationText: true});
     await nv.attachToCanvas($('canvas'));
     nv.setInterpolation(false);
     // In space the surface alone is shown; in the slices its exact cut is drawn over them, after each drawing of the scene.
