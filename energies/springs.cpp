@@ -112,16 +112,27 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
   return rows;
 }
 
-std::vector<double> huber_weights(const std::vector<double>& distances, double cutoff, double floor) {
-  std::vector<double> sizes;
-  sizes.reserve(distances.size());
-  for (const double d : distances) sizes.push_back(std::abs(d));
-  const double c = cutoff * std::max(floor, 1.4826 * median_of(sizes));
-  std::vector<double> weights(distances.size());
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    weights[k] = sizes[k] > c ? c / sizes[k] : 1.0;
-  }
+namespace {
+
+/// `weight` of each distance over c, c = `cutoff` robust deviations, each at least `floor`.
+template <class Weight>
+std::vector<double> robust_weights(const std::vector<double>& distances, double cutoff, double floor, Weight weight) {
+  std::vector<double> weights;
+  weights.reserve(distances.size());
+  for (const double d : distances) weights.push_back(std::abs(d));
+  const double c = cutoff * std::max(floor, 1.4826 * median_of(weights));
+  for (double& w : weights) w = weight(w / c);
   return weights;
+}
+
+}  // namespace
+
+std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor) {
+  return robust_weights(distances, cutoff, floor, [](double r) { return r < 1.0 ? std::pow(1.0 - r * r, 2) : 0.0; });
+}
+
+std::vector<double> huber_weights(const std::vector<double>& distances, double cutoff, double floor) {
+  return robust_weights(distances, cutoff, floor, [](double r) { return r > 1.0 ? 1.0 / r : 1.0; });
 }
 
 ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,

@@ -42,8 +42,11 @@ ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& poin
 ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
                                const std::vector<Vec3>& data_normals, double reach, double energy_weight);
 
-/// Huber's min(1, c/r), c = `cutoff` robust deviations of the distances, the deviation at least `floor` mm: far points
-/// pull, but no harder the further off they are. (Weights that fall to nothing lose whole limbs that a start lacks.)
+/// Tukey's biweight (1 - (r/c)^2)^2 within c = `cutoff` robust deviations of the distances, 0 beyond; the deviation is
+/// at least `floor` mm.
+std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor);
+/// Huber's min(1, c/r), c as above: far points pull, but no harder the further off they are. (Weights that fall to
+/// nothing lose whole limbs that a start lacks.)
 std::vector<double> huber_weights(const std::vector<double>& distances, double cutoff, double floor);
 
 /// Rows that draw samples along the surface to places of their own: E = sum_i (A_i/A) |(I - n_i n_i^T)(x_i - y_i)|^2.

@@ -19,10 +19,13 @@ namespace pellicle {
 namespace {
 
 constexpr std::size_t kMostPoints = 60000;  ///< springs of one step; all points are measured
-constexpr double kHuber = 3.0;              ///< where robust weights begin to fall, in robust deviations
+constexpr double kTukey = 6.0;              ///< beyond this many robust deviations, points count for nothing
+constexpr double kHuber = 3.0;              ///< beyond this many, points pull no harder
 constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this near is an outlier
 // Deviation that the first step trusts, and its share from step to step: limbs that the start lacks are far off, too.
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
+// Stiff first: limbs then move as a whole instead of crumpling.
+constexpr double kFirstStiffness = 20.0, kStiffnessShare = 0.7;
 constexpr double kAnchor = 0.0002;  ///< of sliding_rows, against springs of weight 1
 constexpr double kRim = 0.1;        ///< of the rim's springs; they act along the surface, where little holds against
 constexpr int kHoldBacks = 6;
@@ -76,13 +79,6 @@ void place_vertices(const NormalModel& model, const SampleLayout& layout, const 
 
 bool is_held_out(std::size_t point) {
   return RandomEngine(point).next() % 10 == 0;
-}
-
-/// \param total of the weights before they were made robust.
-double rms(const std::vector<Attachment>& at, const std::vector<double>& weights, double total) {
-  double squares = 0.0;
-  for (std::size_t k = 0; k < at.size(); ++k) squares += weights[k] * at[k].distance * at[k].distance;
-  return total > 0.0 ? std::sqrt(squares / total) : 0.0;
 }
 
 std::vector<double> distances_of(const std::vector<Attachment>& at) {
@@ -181,7 +177,9 @@ void LevelFit::choose_points() {
 std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) const {
   std::vector<double> weights = given_weight_;
   if (data_.robust) {
-    const std::vector<double> sound = huber_weights(distances_of(at), kHuber, deviation_ * data_.diameter);
+    const double floor = deviation_ * data_.diameter;
+    const std::vector<double> sound =
+        grows() ? huber_weights(distances_of(at), kHuber, floor) : tukey_weights(distances_of(at), kTukey, floor);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
   // The other side of a sheet is no match.
@@ -191,20 +189,18 @@ std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) cons
   return weights;
 }
 
-// Points near a sheet's wrong side count with their distance: a surface that collapses there must not look good.
-double LevelFit::rms_of(const std::vector<Attachment>& at) const {
-  return rms(at, data_.robust ? weights_of(at) : given_weight_, total_weight_);
-}
-
-double LevelFit::held_out_rms(const SurfaceSamples& samples) const {
-  const std::vector<Attachment> at = attach(held_out_, layout_, samples);
-  std::vector<double> weights = held_out_weight_;
-  const double total = sum(weights);
+// Points near a sheet's wrong side count with their distance: a surface that collapses there must not look good. Nor
+// must one that gives up a limb, hence Huber's weights.
+double LevelFit::rms_of(const std::vector<Attachment>& at, const std::vector<double>& given) const {
+  std::vector<double> weights = given;
   if (data_.robust) {
     const std::vector<double> sound = huber_weights(distances_of(at), kHuber, kLeastDeviation * data_.diameter);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
-  return rms(at, weights, total);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < at.size(); ++k) squares += weights[k] * at[k].distance * at[k].distance;
+  const double total = sum(given);
+  return total > 0.0 ? std::sqrt(squares / total) : 0.0;
 }
 
 // Bending with the weight of this model times `factor`.
@@ -302,7 +298,8 @@ void LevelFit::hold_back(const Parameters& before) {
 
 // Steps until the residual stops falling. The best of all, the start left aside, is kept.
 void LevelFit::springs() {
-  set_bending(data_.robust ? std::sqrt(kFirstDeviation / kLeastDeviation) : 1.0);
+  double stiffness = data_.robust && grows() ? kFirstStiffness : 1.0;
+  set_bending(stiffness);
   if (anchors_.empty()) cut_ = cuts_of(surface_.parameters).pairs > 0;
   double best = -1.0;
   Parameters best_parameters;
@@ -313,12 +310,12 @@ void LevelFit::springs() {
     step();
     if (deviation_ > kLeastDeviation) {
       deviation_ = std::max(kLeastDeviation, kDeviationShare * deviation_);
-      if (data_.robust) set_bending(std::sqrt(deviation_ / kLeastDeviation));
+      if (stiffness > 1.0) set_bending(stiffness = std::max(1.0, kStiffnessShare * stiffness));
       continue;
     }
     SurfaceSamples samples;
     evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-    const double here = rms_of(attach(chosen_, layout_, samples));
+    const double here = rms_of(attach(chosen_, layout_, samples), given_weight_);
     poor = best < 0.0 || here < (1.0 - settings_.improvement) * best ? 0 : poor + 1;
     if (best < 0.0 || here < best) {
       best = here;
@@ -364,8 +361,8 @@ PointFit LevelFit::result(double seconds) const {
   fit.summary.seconds = seconds;
   SurfaceSamples samples;
   evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-  fit.summary.inlier_rms = rms_of(attach(chosen_, layout_, samples));
-  if (!held_out_.empty()) fit.summary.held_out_rms = held_out_rms(samples);
+  fit.summary.inlier_rms = rms_of(attach(chosen_, layout_, samples), given_weight_);
+  if (!held_out_.empty()) fit.summary.held_out_rms = rms_of(attach(held_out_, layout_, samples), held_out_weight_);
   return fit;
 }
 

@@ -42,9 +42,10 @@ class LevelFit {
 
  private:
   void choose_points();
+  /// A surface that was laid out has its limbs; one from voxels must grow into them, and far points pull it there.
+  bool grows() const { return anchors_.empty() && !rim_; }
   std::vector<double> weights_of(const std::vector<Attachment>& at) const;
-  double rms_of(const std::vector<Attachment>& at) const;
-  double held_out_rms(const SurfaceSamples& samples) const;
+  double rms_of(const std::vector<Attachment>& at, const std::vector<double>& given) const;
   void set_bending(double factor);
   StepOutcome solve(std::vector<NamedRows> rows);
   void step();

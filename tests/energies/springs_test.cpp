@@ -139,6 +139,14 @@ TEST(ReverseSprings, MeasureASphereWithinASphere) {
   EXPECT_LT(reverse_spring_rows(surface_samples(inner), area, nearest, inward, 5.0, 1.0).size(), inner.x.size());
 }
 
+TEST(TukeyWeights, AreOneAtHomeAndNothingFarOff) {
+  std::vector<double> distances(100, 0.1);
+  distances.push_back(50.0);
+  const auto w = tukey_weights(distances, 6.0, 1e-3);
+  EXPECT_TRUE(w[0] > 0.95);
+  EXPECT_EQ(w.back(), 0.0);
+}
+
 TEST(HuberWeights, AreOneAtHomeAndPullNoHarderFarOff) {
   std::vector<double> distances(100, 0.1);
   distances.push_back(50.0);
