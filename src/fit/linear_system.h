@@ -42,7 +42,7 @@ class LinearSystem {
   std::vector<int> start_, at_;  ///< pattern: the row blocks at or below the diagonal of each column block, ascending
   Matrix normal_;                ///< lower half of the normal matrix, with the pattern's entries only
   struct Factor;
-  std::unique_ptr<Factor> factor_;  ///< none before the first step
+  std::unique_ptr<Factor> factor_;                ///< none before the first step
   std::vector<std::pair<int, Vec3>> derivative_;  ///< of one row by its blocks; room that is used again
   std::vector<double> local_;                     ///< symmetric 3 x 3 blocks of one patch; room that is used again
 };
