@@ -28,6 +28,7 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
           {"ITK", PELLICLE_ITK_VERSION},
           {"OpenVDB", PELLICLE_OPENVDB_VERSION},
           {"Embree", PELLICLE_EMBREE_VERSION},
+          {"OpenSubdiv", PELLICLE_OPENSUBDIV_VERSION},
           {"OpenSSL", OpenSSL_version(OPENSSL_VERSION_STRING)},
           {"libpng", png_get_libpng_ver(nullptr)},
           {"nlohmann-json", nlohmann},

@@ -7,6 +7,7 @@
 
 #include "pellicle/image/image.h"
 #include "pellicle/pipeline/segment.h"
+#include "pellicle/pipeline/slice_view.h"
 
 namespace pellicle {
 
@@ -14,6 +15,7 @@ namespace pellicle {
 struct PictureRow {
   std::string title;
   TriangleMesh mesh;  ///< LPS mm
+  std::vector<SliceLabel> labels = {};
 };
 
 /// For each row: axial, coronal and sagittal slices through its centre with the true cut of the surface, and a
@@ -25,5 +27,10 @@ void write_pictures(const std::filesystem::path& path, const Image<float>& image
 /// The same of fitted objects, with volume and status.
 void write_qc_picture(const std::filesystem::path& path, const Image<float>& image,
                       const std::vector<ObjectResult>& objects, const std::string& name);
+
+/// Many objects in one row: slices through the middle of the stack with every contour and its label, and how many there
+/// are. \pre each has a shape (segment_many.h).
+void write_overview(const std::filesystem::path& path, const Image<float>& image,
+                    const std::vector<ObjectResult>& objects, const std::string& name);
 
 }  // namespace pellicle

@@ -65,7 +65,7 @@ Starts starts_of(const SegmentSettings& settings, const Volume& volume, const Im
 std::vector<PictureRow> rows_of(const std::vector<ObjectSeed>& seeds, const std::string& stem, bool many) {
   std::vector<PictureRow> rows;
   if (many) {
-    PictureRow all{fmt::format("{}   {} places", stem, seeds.size()), {}};
+    PictureRow all{.title = fmt::format("{}   {} places", stem, seeds.size()), .mesh = {}};
     for (const ObjectSeed& seed : seeds) append(all.mesh, mesh_of_seed(seed.candidates.front()));
     if (!seeds.empty()) rows.push_back(std::move(all));
     return rows;

@@ -435,8 +435,8 @@ SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& c
   if (settings.writes("qc")) {
     clock.start("picture");
     tell(0.95, "drawing");
-    write_qc_picture(path_of(plan, "qc"), volume.image,
-                     settings.wants_many() ? overview(result.objects) : result.objects, stem_of(settings));
+    const auto draw = settings.wants_many() ? write_overview : write_qc_picture;
+    draw(path_of(plan, "qc"), volume.image, result.objects, stem_of(settings));
   }
   if (settings.writes("convergence")) {
     write_convergence_picture(path_of(plan, "convergence"), result.objects, stem_of(settings));

@@ -246,18 +246,6 @@ Image<float> distance_to_all(const std::vector<ObjectResult>& objects, const Ima
   return rasterize_signed_distance(merged_mesh(objects), grid, furthest);
 }
 
-std::vector<ObjectResult> overview(const std::vector<ObjectResult>& objects) {
-  if (objects.empty()) return {};
-  ObjectResult all{.label = 1, .name = "all", .surface = objects.front().surface};
-  all.fit.status = FitStatus::ok;
-  all.mesh = merged_mesh(objects);
-  for (const ObjectResult& object : objects) {
-    all.volume_surface_ml += object.volume_surface_ml;
-    if (object.fit.status != FitStatus::ok) all.fit.status = object.fit.status;
-  }
-  return {all};
-}
-
 std::string many_table(const std::vector<ObjectResult>& objects) {
   std::string text =
       "index\tlabel\tname\tvolume_ml\tstatus\tx_mm\ty_mm\tz_mm\tvolume_surface_ml\tvolume_visible_ml\tvisible_share\t"

@@ -26,9 +26,6 @@ TriangleMesh merged_mesh(const std::vector<ObjectResult>& objects);
 /// Signed distance to the nearest of all surfaces, mm, negative inside.
 Image<float> distance_to_all(const std::vector<ObjectResult>& objects, const ImageGrid& grid);
 
-/// All surfaces as one object, for a picture: slices through the middle of the stack with every contour.
-std::vector<ObjectResult> overview(const std::vector<ObjectResult>& objects);
-
 /// STEM_dseg.tsv of many objects: a line an object, columns as docs/nuclei.md says.
 std::string many_table(const std::vector<ObjectResult>& objects);
 

@@ -12,6 +12,8 @@ namespace pellicle {
 namespace {
 
 constexpr Rgb contour_color{230, 159, 0};  // orange of the Okabe-Ito palette: told apart by every kind of colour vision
+constexpr Rgb label_color{86, 180, 233};   // sky blue of the same
+constexpr int label_scale = 2;
 constexpr Rgb text_color{255, 255, 255};
 
 // Index axis whose nearest anatomical axis is `axis` (0 left, 1 posterior, 2 superior) and its sign.
@@ -120,7 +122,8 @@ std::vector<std::array<Vec3, 2>> cut_by_plane(const TriangleMesh& mesh, int axis
   return pieces;
 }
 
-Canvas draw_slice(const Image<float>& image, const Window& window, const TriangleMesh& mesh, Plane plane, int size) {
+Canvas draw_slice(const Image<float>& image, const Window& window, const TriangleMesh& mesh, Plane plane, int size,
+                  const std::vector<SliceLabel>& labels) {
   const ImageGrid& grid = image.grid;
   const SliceAxes axes = slice_axes(grid, plane);
   const double least = 12.0 * grid.mean_spacing();
@@ -163,6 +166,16 @@ Canvas draw_slice(const Image<float>& image, const Window& window, const Triangl
   }
   for (const auto& piece : cut_by_plane(mesh, axes.through, slice)) {
     draw_line(canvas, pixel_of(piece[0]), pixel_of(piece[1]), size >= 500 ? 2.0 : 1.5, contour_color);
+  }
+  for (const SliceLabel& label : labels) {
+    const Vec3 at = grid.index_from_world(label.centre);
+    const double off = (at[axes.through] - slice) * grid.spacing[axes.through];
+    const double cut = std::sqrt(std::max(0.0, label.radius * label.radius - off * off)) * scale;  // its radius, pixels
+    const int width = text_width(label.text, label_scale);
+    if (2.0 * cut < width + 4.0) continue;
+    const Vec2 middle_of_cut = pixel_of(at);
+    draw_text(canvas, static_cast<int>(std::lround(middle_of_cut.x())) - width / 2,
+              static_cast<int>(std::lround(middle_of_cut.y())) - 4 * label_scale, label.text, label_scale, label_color);
   }
   draw_letters(canvas, axes);
   draw_scale_bar(canvas, scale);

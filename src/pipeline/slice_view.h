@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pellicle/image/image.h"
 #include "pellicle/mesh/triangle_mesh.h"
@@ -31,9 +32,17 @@ Window robust_window(const Image<float>& image);
 /// Pieces of the cut of `mesh` (vertices in index coordinates) by the plane index[axis] = position.
 std::vector<std::array<Vec3, 2>> cut_by_plane(const TriangleMesh& mesh_in_index, int axis, double position);
 
+/// What is written over an object that a slice cuts.
+struct SliceLabel {
+  std::string text;
+  Vec3 centre{0, 0, 0};  ///< LPS mm
+  double radius = 0.0;   ///< mm, of a ball of the object's volume
+};
+
 /// \param mesh_in_index the surface in index coordinates; the slice goes through the middle of its box.
+/// \param labels of the objects that the mesh is made of; those with room for it get it.
 Canvas draw_slice(const Image<float>& image, const Window& window, const TriangleMesh& mesh_in_index, Plane plane,
-                  int size);
+                  int size, const std::vector<SliceLabel>& labels = {});
 
 /// Shaded view of a mesh in LPS mm from the front left above: z-buffer, Phong shading with the vertex normals.
 /// \param extent_mm what 84 % of the picture's edge shows, for views at one scale; default: the mesh's own extent.

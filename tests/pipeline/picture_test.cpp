@@ -92,6 +92,22 @@ TEST(SliceView, ShowsThePatientTheSameWayForEveryStorageOrder) {
   }
 }
 
+TEST(SliceView, LabelsStandWhereTheirObjectIsCutAndHasRoom) {
+  ImageGrid grid;
+  grid.size = {40, 40, 40};
+  const Image<float> image(grid);
+  const NormalModel model = NormalModel::start(StartSolid::icosahedron, SubdivisionRule::smooth);
+  const TriangleMesh ball = tessellate({model, affine_image(model, Vec3(20, 20, 20), 8.0 * Mat3::Identity())}, 3);
+  const auto drawn = [&](const SliceLabel& label) {
+    return draw_slice(image, {0, 1}, ball, Plane::axial, 300, {label}).pixels !=
+           draw_slice(image, {0, 1}, ball, Plane::axial, 300).pixels;
+  };
+  EXPECT_TRUE(drawn({"7", Vec3(20, 20, 20), 8.0}));
+  EXPECT_TRUE(drawn({"7", Vec3(20, 20, 15), 8.0}));
+  EXPECT_FALSE(drawn({"7", Vec3(20, 20, 10), 8.0}));  // the slice passes it by
+  EXPECT_FALSE(drawn({"7", Vec3(20, 20, 20), 0.5}));  // smaller than the figure
+}
+
 TEST(SliceView, CutOfABallIsAClosedCircle) {
   const NormalModel model = NormalModel::start(StartSolid::tetrahedron, SubdivisionRule::smooth);
   const TriangleMesh ball = tessellate({model, affine_image(model, Vec3(10, 10, 10), 6.0 * Mat3::Identity())}, 5);
