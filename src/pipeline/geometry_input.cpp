@@ -110,9 +110,13 @@ void lay_shell(const std::string& name, GeometryInput& input) {
   }
   std::vector<Vec3> normals = plane_normals(tree);
   turn_out_of(input.body, tree.points(), normals);
-  for (const Vec3& x : input.data.points) {
-    input.data.normals.push_back(normals[static_cast<std::size_t>(tree.nearest(x, 1).front().point)]);
-  }
+  input.data.normals.resize(input.data.points.size());
+  parallel_for(input.data.points.size(), 1000, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int nearest = tree.nearest(input.data.points[i], 1).front().point;
+      input.data.normals[i] = normals[static_cast<std::size_t>(nearest)];
+    }
+  });
 }
 
 GeometryInput from_points(const fs::path& path, bool open) {

@@ -8,6 +8,7 @@
 
 #include "pellicle/pipeline/canvas.h"
 #include "pellicle/pipeline/contact_sheet.h"
+#include "pellicle/pipeline/segment_many.h"
 #include "pellicle/pipeline/slice_view.h"
 
 namespace pellicle {
@@ -65,11 +66,10 @@ void write_qc_picture(const std::filesystem::path& path, const Image<float>& ima
 
 void write_overview(const std::filesystem::path& path, const Image<float>& image,
                     const std::vector<ObjectResult>& objects, const std::string& name) {
-  PictureRow all;
+  PictureRow all{.title = {}, .mesh = merged_mesh(objects)};
   double volume = 0.0;
   std::size_t sound = 0;
   for (const ObjectResult& object : objects) {
-    append(all.mesh, object.mesh);
     volume += object.volume_surface_ml;
     sound += object.fit.status == FitStatus::ok ? 1 : 0;
     const double radius = std::cbrt(750.0 * object.volume_surface_ml / std::numbers::pi);
