@@ -56,6 +56,22 @@ bool missing(const std::filesystem::path& folder) {
   return true;
 }
 
+double mean_of(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : sum(values) / static_cast<double>(values.size());
+}
+
+/// Dice of fits that start from spheres placed by one rule.
+struct Start {
+  std::string name;
+  std::vector<double> ok, not_ok, otsu;  ///< fits by their status; Otsu's component under the same place
+
+  void add(const Image<float>& image, const Image<std::uint8_t>& truth, const Vec3& place) {
+    const FitResult fit = fit_surface(image, {SeedSphere{place, kClick}}, FitSettings{});
+    (fit.summary.status == FitStatus::ok ? ok : not_ok).push_back(overlap_with(truth, fit.surface).dice);
+    otsu.push_back(overlap_of(truth, otsu_baseline(image, place, OtsuObject::solid)).dice);
+  }
+};
+
 void sarcoma_clicks(const Options& options) {
   fmt::print("\n## Sarcoma, one click, --preset lesion\n\n");
   const std::filesystem::path folder = options.data / "sarcoma";
@@ -91,32 +107,36 @@ void organ_table(const Options& options) {
 }
 
 void hippocampus_table(const Options& options) {
-  fmt::print("\n## Hippocampus, a sphere of 5 mm at the middle of the crop, no preset\n\n");
+  fmt::print("\n## Hippocampus, a sphere of 5 mm, no preset\n\n");
   const std::filesystem::path folder = options.data / "hippocampus";
   if (missing(folder)) return;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "images")) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  std::vector<double> fitted, otsu, window;
-  int ok = 0;
+  Start middle{"at the middle of the crop", {}, {}, {}}, click{"at the deepest point of the label", {}, {}, {}};
+  std::vector<double> window;
   for (const auto& file : files) {
     const Image<float> image = read_volume(file).image;
     const auto truth = mask_of_labels(read_labels(folder / "labels" / file.filename()).labels);
     const Index3& size = image.grid.size;
-    const Vec3 middle = image.grid.world_from_index(0.5 * Vec3(size[0] - 1, size[1] - 1, size[2] - 1));
-    const FitResult fit = fit_surface(image, {SeedSphere{middle, kClick}}, FitSettings{});
-    fitted.push_back(overlap_with(truth, fit.surface).dice);
-    otsu.push_back(overlap_of(truth, otsu_baseline(image, middle, OtsuObject::solid)).dice);
+    middle.add(image, truth, image.grid.world_from_index(0.5 * Vec3(size[0] - 1, size[1] - 1, size[2] - 1)));
+    click.add(image, truth, deepest_point(truth));
     window.push_back(best_window_dice(image, truth));
-    ok += fit.summary.status == FitStatus::ok ? 1 : 0;
   }
-  const auto row = [&](const char* name, const std::vector<double>& dice) {
-    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} |\n", name, sum(dice) / static_cast<double>(dice.size()),
-               *std::min_element(dice.begin(), dice.end()), *std::max_element(dice.begin(), dice.end()));
+  const auto row = [](const std::string& name, const std::vector<double>& dice) {
+    fmt::print("| {} | {} | {:.3f} | {:.3f} | {:.3f} |\n", name, dice.size(), mean_of(dice),
+               dice.empty() ? 0.0 : *std::min_element(dice.begin(), dice.end()),
+               dice.empty() ? 0.0 : *std::max_element(dice.begin(), dice.end()));
   };
-  fmt::print("{} crops, status ok in {}.\n\n| | mean Dice | worst | best |\n|---|---|---|---|\n", files.size(), ok);
-  row("fitted", fitted);
-  row("Otsu's component at the middle", otsu);
+  fmt::print("| | crops | mean Dice | worst | best |\n|---|---|---|---|---|\n");
+  for (const Start& start : {middle, click}) {
+    std::vector<double> fitted = start.ok;
+    fitted.insert(fitted.end(), start.not_ok.begin(), start.not_ok.end());
+    row("fitted, sphere " + start.name, fitted);
+    row("... of these, status ok", start.ok);
+    row("... of these, another status", start.not_ok);
+    row("Otsu's component " + start.name, start.otsu);
+  }
   row("best window within 5 mm, by the truth", window);
 }
 
