@@ -12,7 +12,7 @@ namespace {
 constexpr double kPull = 0.02;  // of the distance travelled: decides between equal minima for the nearer one
 
 // argmin over the profile of the cumulated potential, refined to the zero of the potential beside it.
-double best_position(const Profiles& p, std::size_t row, double inside, double outside, double reach) {
+double best_position(const Profiles& p, std::size_t row, double inside, double outside, double reach, double depth) {
   const double half = 0.5 * (inside - outside), middle = 0.5 * (inside + outside);
   const auto potential = [&](int k) {
     const float v = p.row(row)[k];
@@ -25,7 +25,7 @@ double best_position(const Profiles& p, std::size_t row, double inside, double o
     if (std::isnan(last)) return 0.0;
     for (int k = origin + direction; k >= 0 && k < p.count; k += direction) {
       const double t = p.position(k);
-      if (std::abs(t) > reach + 1e-9) break;
+      if (t > reach + 1e-9 || -t > depth + 1e-9) break;
       const double q = potential(k);
       if (std::isnan(q)) break;
       // The minimum between two samples lies where q, linear in between, passes zero upward (seen outward).
@@ -53,7 +53,7 @@ double best_position(const Profiles& p, std::size_t row, double inside, double o
 
 }  // namespace
 
-NormalTargets region_targets(const Profiles& profiles, const Levels& levels, double reach) {
+NormalTargets region_targets(const Profiles& profiles, const Levels& levels, double reach, double depth) {
   const std::size_t n = profiles.values.size() / static_cast<std::size_t>(profiles.count);
   NormalTargets targets{std::vector<double>(n, 0.0), std::vector<double>(n, 1.0)};
   const bool local = !levels.local_inside.empty();
@@ -64,8 +64,9 @@ NormalTargets region_targets(const Profiles& profiles, const Levels& levels, dou
         targets.weight[i] = 0.0;  // outside the image: no evidence, smoothness decides
         continue;
       }
-      targets.offset[i] = best_position(profiles, i, local ? levels.local_inside[i] : levels.inside,
-                                        local ? levels.local_outside[i] : levels.outside, reach);
+      targets.offset[i] =
+          best_position(profiles, i, local ? levels.local_inside[i] : levels.inside,
+                        local ? levels.local_outside[i] : levels.outside, reach, std::min(reach, depth));
     }
   });
   return targets;

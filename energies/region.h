@@ -6,11 +6,12 @@
 /// intensity unit and either sign of contrast.
 ///
 /// Least-squares form (line search, 1D Chan-Vese along each normal): t_i = argmin_t int_0^t q(P_i(s)) ds + 0.02 t^2/R,
-/// |t| <= R; P_i the profile of the smoothed image. Levels are re-estimated each step: globally by running medians,
-/// and for each sample from bands of its own profile, shrunk to the global ones and averaged over neighbours, which
-/// follows a bias field.
-/// Scalar form: E = h/A0 int_inside q dV in mm^2, through region_integral (divergence theorem).
+/// -depth <= t <= R; P_i the profile of the smoothed image. Levels are re-estimated each step: globally by running
+/// medians, and for each sample from bands of its own profile, shrunk to the global ones and averaged over neighbours,
+/// which follows a bias field. Scalar form: E = h/A0 int_inside q dV in mm^2, through region_integral (divergence
+/// theorem).
 
+#include <limits>
 #include <optional>
 
 #include "pellicle/energies/geometry.h"
@@ -26,8 +27,10 @@ struct Levels {
   double contrast() const { return inside - outside; }
 };
 
-/// Targets of the line search. \param reach mm; profiles must cover [-reach, reach].
-NormalTargets region_targets(const Profiles& profiles, const Levels& levels, double reach);
+/// Targets of the line search. \param reach mm; profiles must cover [-reach, reach]. \param depth mm: no target lies
+/// further inside.
+NormalTargets region_targets(const Profiles& profiles, const Levels& levels, double reach,
+                             double depth = std::numeric_limits<double>::infinity());
 
 /// Levels re-estimated about the targets of the last search: inside from [-6,-1.5] h, outside from [1.5,5] h. With
 /// `local`, per sample too. Returns false, and leaves `levels` alone, when the contrast fell below 0.3 of

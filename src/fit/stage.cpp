@@ -204,8 +204,11 @@ NamedRows StageRun::region_rows(const StepGeometry& g, int step) {
   const double spacing = reach_ > 10.0 * h_ ? reach_ / 20.0 : 0.5 * h_;
   const Profiles profiles =
       sample_profiles(TrilinearField(image_->image()), g.samples.x, g.samples.normal, extent, extent, spacing);
+  // Not past the middle, which would turn the surface inside out: 2 V/A is the radius of a tube, two thirds of a
+  // ball's.
+  const double depth = 2.0 * g.volume / g.total_area;
   const NormalTargets targets = state_.reading.ridge ? ridge_search(profiles, state_.reading.sign, reach_, h_)
-                                                     : region_targets(profiles, state_.levels, reach_);
+                                                     : region_targets(profiles, state_.levels, reach_, depth);
   if (!state_.reading.similarity && !state_.reading.ridge) {
     update_levels(profiles, targets, geometry_->graph, h_, step > 0, first_contrast_, state_.levels);
   }

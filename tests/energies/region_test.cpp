@@ -71,6 +71,18 @@ TEST(RegionTargets, thin_gaps_are_crossed_only_when_more_object_lies_beyond) {
   EXPECT_NEAR(t.offset[1], 2.0, 0.1);
 }
 
+TEST(RegionTargets, lie_no_further_inside_than_the_depth_and_outside_as_before) {
+  // Edges from -7 to +7: those within the depth, and all outside, are found where they are.
+  const auto edge = [](std::size_t i, double s) { return s < -7.0 + static_cast<double>(i) ? 100.0 : 20.0; };
+  const Profiles p = profiles_of(15, 10, 10, 0.5, edge);
+  const NormalTargets all = region_targets(p, {100.0, 20.0, {}, {}}, 8.0),
+                      near = region_targets(p, {100.0, 20.0, {}, {}}, 8.0, 3.5);
+  for (std::size_t i = 0; i < 15; ++i) {
+    EXPECT_NEAR(all.offset[i], -7.0 + static_cast<double>(i), 0.5);
+    EXPECT_DOUBLE_EQ(near.offset[i], all.offset[i] > -3.5 ? all.offset[i] : -3.5);
+  }
+}
+
 TEST(RegionTargets, end_where_the_image_ends) {
   const auto cut = [](std::size_t i, double s) {
     if (i == 0) return s > 2.2 ? kNoValue : 100.0;         // object runs into the border

@@ -60,6 +60,22 @@ TEST(FitTrouble, seeds_outside_the_object_and_beyond_the_volume_are_data) {
   }
 }
 
+// A search over the whole reach would send each side of the ball past the other.
+TEST(FitTrouble, ball_twice_as_wide_as_a_rod_shrinks_onto_it_and_is_not_turned_inside_out) {
+  PhantomSettings s = small_phantom("ellipsoid");
+  s.radius = {16.0, 4.0, 4.0};
+  const Phantom phantom = make_phantom(s);
+  for (const ModelKind kind : {ModelKind::normal, ModelKind::spline, ModelKind::catmull_clark}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    FitSettings settings =
+        one_stage({.detail = 1, .energies = {{"region", 1.0}, {"bending", 1e-3}, {"spacing", 0.05}}, .reach = 16.0});
+    settings.model.kind = kind;
+    const FitResult fit = fit_ball_seed(phantom.image, Vec3::Zero(), 8.0, settings);
+    EXPECT_EQ(fit.summary.stages.back().reason, "converged");
+    EXPECT_GE(test::dice(fit.surface, phantom.truth), 0.9) << to_string(fit.summary.status);
+  }
+}
+
 TEST(FitTrouble, object_cut_by_the_border_is_right_within_the_volume) {
   PhantomSettings s = small_phantom();
   s.center = Vec3(17, 0, 0);  // 5 of 24 voxels beyond the border
