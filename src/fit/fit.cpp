@@ -260,7 +260,7 @@ double margin_of(const std::vector<Trial>& trials, std::size_t best) {
   return runner_up > 0.0 ? std::min(1e3, trials[best].credit / runner_up) : 1e3;
 }
 
-FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
+FitResult summarise(const std::vector<Trial>& trials, std::size_t best, double margin) {
   const Trial& chosen = trials[best];
   FitResult result{chosen.state.surface, {}, chosen.state.trace};
   FitSummary& summary = result.summary;
@@ -268,7 +268,7 @@ FitResult summarise(const std::vector<Trial>& trials, std::size_t best) {
     const Trial& t = trials[i];
     summary.hypotheses.push_back({t.state.reading.name, t.state.status, t.evidence.score, 1e-3 * t.volume, i == best});
   }
-  summary.margin = margin_of(trials, best);
+  summary.margin = margin;
   summary.status = chosen.state.status;
   summary.reason = chosen.state.reason;
   summary.stages = chosen.stages;
@@ -341,17 +341,21 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   }
   if (trials.empty()) return nothing_seen(seeds.front(), settings);
   if (progress) progress(0.5, "refining " + trials[best].state.reading.name);
+  // Like is compared with like, before the best is refined; should refining take its lead away, that counts as well.
+  const double lead = margin_of(trials, best);
   refine_by_evidence(context, trials[best]);
   judge(context, trials[best]);
+  const double refined_lead = margin_of(trials, best);
+  const double margin = lead < 0.0 || refined_lead < 0.0 ? std::max(lead, refined_lead) : std::min(lead, refined_lead);
   if (std::optional<Trial> given = seed_as_given(context, seeds, trials[best])) {
-    const std::string failure = summarise(trials, best).summary.reason;
+    const std::string failure = summarise(trials, best, margin).summary.reason;
     trials.push_back(std::move(*given));
-    FitResult result = summarise(trials, trials.size() - 1);
+    FitResult result = summarise(trials, trials.size() - 1, margin_of(trials, trials.size() - 1));
     result.summary.status = FitStatus::doubtful;
     result.summary.reason = "the seed is kept, the image leads it nowhere: " + failure;
     return result;
   }
-  return summarise(trials, best);
+  return summarise(trials, best, margin);
 }
 
 }  // namespace pellicle

@@ -247,9 +247,16 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
                           .smoothing = 0.0,
                           .max_steps = 6,
                           .tolerance = 0.01}};
+    hypothesis.compare_after = hypothesis.stages.size();
+    // The chosen range goes on as other readings do: samples are left out, and more control points are kept only if
+    // they foretell these better.
+    const Stage edge = hypothesis.stages.back();
+    hypothesis.stages.push_back(edge);
+    hypothesis.stages.push_back(edge);
+    hypothesis.stages.back().name = "edge fine";
+    hypothesis.stages.back().detail = 3;
     for (Stage& stage : hypothesis.stages) stage.resolution = 1.0;
     hypothesis.stages = with_settings(std::move(hypothesis.stages), settings);
-    hypothesis.compare_after = hypothesis.stages.size();
     list.push_back(std::move(hypothesis));
   }
   return list;
