@@ -26,8 +26,9 @@ constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this 
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
 // Stiff first: limbs then move as a whole instead of crumpling.
 constexpr double kFirstStiffness = 20.0, kStiffnessShare = 0.7;
-constexpr double kAnchor = 0.0002;  ///< of sliding_rows, against springs of weight 1
-constexpr double kRim = 0.1;        ///< of the rim's springs; they act along the surface, where little holds against
+constexpr double kStiffening = 3.0, kMostStiffening = 1000.0;  ///< of a patch that folds, a step and at most
+constexpr double kAnchor = 0.0002;                             ///< of sliding_rows, against springs of weight 1
+constexpr double kRim = 0.1;  ///< of the rim's springs; they act along the surface, where little holds against
 constexpr int kHoldBacks = 6;
 
 /// About four samples a control point or more; see knot_layout_of.
@@ -141,6 +142,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       surface_(start),
       layout_(fit_layout(start.model)),
       fine_(layout_of(start.model, measuring_level(start.model))) {
+  stiffening_.assign(layout_.patches.size(), 1.0);
   if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
   if (data.surface) {
     data_surface_ = std::make_unique<ClosestPoint>(*data.surface);
@@ -203,13 +205,20 @@ double LevelFit::rms_of(const std::vector<Attachment>& at, const std::vector<dou
   return total > 0.0 ? std::sqrt(squares / total) : 0.0;
 }
 
-// Bending with the weight of this model times `factor`.
+// Bending with the weight of this model times `factor`, and more where it would fold.
 void LevelFit::set_bending(double factor) {
   linear_.reset();
   operators_.clear();
   if (bending_.rows.size() > 0) {
+    VectorRows rows = bending_.rows;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto begin = static_cast<std::size_t>(rows.start[r]), end = static_cast<std::size_t>(rows.start[r + 1]);
+      const auto patch = layout_.patch_of[static_cast<std::size_t>(rows.sample[begin])];
+      const double stiffening = std::sqrt(stiffening_[static_cast<std::size_t>(patch)]);
+      for (std::size_t k = begin; k < end; ++k) rows.coefficient[k] *= stiffening;
+    }
     operators_.push_back(grouped_operator("bending", factor * settings_.smoothness * bending_weight(surface_.model),
-                                          bending_.rows, layout_));
+                                          std::move(rows), layout_));
   }
   if (layout_.stencils) {
     linear_ = std::make_unique<LinearSystem>(layout_, surface_.parameters.size() / 3, operators_);
@@ -279,12 +288,14 @@ void LevelFit::step() {
 
 // Where the step made the surface cut itself it is taken back, half and half again, with all blocks that reach there.
 void LevelFit::hold_back(const Parameters& before) {
+  folding_.assign(layout_.patches.size(), false);
   const Parameters after = surface_.parameters;
   const std::vector<BlockKind> kinds = blocks_of(surface_.model);
   std::vector<double> share(kinds.size(), 1.0);
   for (int attempt = 0; attempt < kHoldBacks; ++attempt) {
     const Cuts cuts = cuts_of(surface_.parameters);
     if (cuts.pairs == 0) return;
+    if (attempt == 1 && grows()) folding_ = cuts.patches;  // half a step cuts, too
     for (const int b : cuts.blocks) share[static_cast<std::size_t>(b)] *= attempt < 3 ? 0.5 : 0.0;
     for (std::size_t b = 0; b < kinds.size(); ++b) {
       Eigen::Map<const Vec3> from(before.data() + 3 * b), to(after.data() + 3 * b);
@@ -294,6 +305,18 @@ void LevelFit::hold_back(const Parameters& before) {
     }
   }
   if (cuts_of(surface_.parameters).pairs > 0) surface_.parameters = before;
+}
+
+// Patches that a step folds become stiffer, the others as loose again; whether any changed.
+bool LevelFit::stiffen_folds() {
+  bool changed = false;
+  for (std::size_t patch = 0; patch < folding_.size(); ++patch) {
+    const double before = stiffening_[patch];
+    stiffening_[patch] =
+        folding_[patch] ? std::min(kMostStiffening, kStiffening * before) : std::max(1.0, kStiffnessShare * before);
+    changed = changed || stiffening_[patch] != before;
+  }
+  return changed;
 }
 
 // Steps until the residual stops falling. The best of all, the start left aside, is kept.
@@ -308,9 +331,11 @@ void LevelFit::springs() {
   if (data_.robust) deviation_ = kFirstDeviation;
   for (int k = 0; k < settings_.max_steps; ++k) {
     step();
+    const double before = stiffness;
+    stiffness = std::max(1.0, kStiffnessShare * stiffness);
+    if (stiffen_folds() || stiffness < before) set_bending(stiffness);
     if (deviation_ > kLeastDeviation) {
       deviation_ = std::max(kLeastDeviation, kDeviationShare * deviation_);
-      if (stiffness > 1.0) set_bending(stiffness = std::max(1.0, kStiffnessShare * stiffness));
       continue;
     }
     SurfaceSamples samples;
@@ -336,11 +361,13 @@ LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {
   Cuts cuts;
   cuts.pairs = static_cast<int>(pairs.size());
   std::vector<bool> met(blocks_of(surface_.model).size(), false);
+  cuts.patches.assign(fine_.patches.size(), false);
   for (const auto& pair : pairs) {
     for (const int t : pair) {
       const auto& corners = fine_.triangles[static_cast<std::size_t>(t)];
       for (const int v : corners) {
         const auto patch = static_cast<std::size_t>(fine_.patch_of[static_cast<std::size_t>(v)]);
+        cuts.patches[patch] = true;
         for (const int b : fine_.patches[patch].blocks) met[static_cast<std::size_t>(b)] = true;
       }
     }

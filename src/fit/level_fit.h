@@ -35,8 +35,8 @@ class LevelFit {
   const SampleLayout& layout() const { return layout_; }
   /// Least squares to one place a sample.
   void to_targets(const std::vector<Vec3>& targets);
-  /// Springs, attached anew in each step until the residual stops falling; then, where the surface cuts itself, it is
-  /// made stiffer and stiffer around the cut until it does so no longer.
+  /// Springs, attached anew in each step until the residual stops falling. Where a step would make the surface cut
+  /// itself it is held back, and patches that fold again and again become stiffer until they do so no longer.
   void springs();
   PointFit result(double seconds) const;
 
@@ -51,11 +51,13 @@ class LevelFit {
   void step();
   /// Where the surface cuts itself.
   struct Cuts {
-    int pairs = 0;            ///< of facets
-    std::vector<int> blocks;  ///< that reach these facets, ascending
+    int pairs = 0;              ///< of facets
+    std::vector<int> blocks;    ///< that reach these facets, ascending
+    std::vector<bool> patches;  ///< whether each has such facets
   };
   Cuts cuts_of(const Parameters& parameters) const;
   void hold_back(const Parameters& before);
+  bool stiffen_folds();
 
   const GeometryData& data_;
   const PointFitSettings& settings_;
@@ -71,7 +73,9 @@ class LevelFit {
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;
-  double deviation_ = 1e-4;  ///< least robust deviation, of the diameter
+  double deviation_ = 1e-4;         ///< least robust deviation, of the diameter
+  std::vector<double> stiffening_;  ///< one a patch, >= 1, times the bending there
+  std::vector<bool> folding_;       ///< patches that the last step folded
   int steps_ = 0, iterations_ = 0;
   bool cut_ = false;  ///< it cuts itself already
   std::string reason_ = "as started";

@@ -22,6 +22,8 @@ namespace {
 
 constexpr int kMostByItself = 1600;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
+constexpr int kBodySamples = 10000, kBodySteps = 12;
+constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
 constexpr double kWorthwhile = 0.9;  ///< a finer level must bring the left-out points down to this share
 
 double residual_for(const PointFit& fit, ToleranceOf which) {
@@ -192,8 +194,15 @@ class Levels {
     }
   }
 
-  Surface surface_on(const VoxelSeed& seed) const {
-    if (!result_.input.open) return *seed_surface(seed.mesh, settings_.model);
+  // Drawn to the body's whole surface, which has no gaps and an outside: limbs are in their place before the points pull.
+  Surface surface_on(const VoxelSeed& seed) {
+    if (!result_.input.open) {
+      if (!body_data_) body_data_ = data_of(surface_of_mask(result_.input.body), kBodySamples);
+      PointFitSettings stiff = fit_settings_;
+      stiff.smoothness *= kBodySmoothness;
+      stiff.max_steps = kBodySteps;
+      return fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface;
+    }
     const PointTree tree(data_.points);
     auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, seed.spacing_mm);
     return {std::move(model), std::move(parameters)};
@@ -211,15 +220,21 @@ class Levels {
     return {sizes_.front(), {}};
   }
 
-  // Of a seeded surface the next finer seed, and where voxels are fine enough the fitted surface itself, refined.
-  std::optional<Size> finer(const PointFit& fitted, std::size_t stride) {
+  // Of a seeded surface the next finer seed, and where voxels are fine enough the fitted surface itself, refined. None
+  // of more than so many control points.
+  std::optional<Size> finer(const PointFit& fitted, std::size_t stride, int most) {
     if (from_map_) {
       at_ += stride;
-      if (at_ >= sizes_.size()) return std::nullopt;
+      if (at_ >= sizes_.size() || control_point_count(sizes_[at_]) > most) return std::nullopt;
       return Size{sizes_[at_], {}};
     }
-    if (const std::optional<VoxelSeed> seed = next_seed()) return Size{{}, surface_on(*seed)};
-    return Size{{}, refine(fitted.surface)};
+    if (const std::optional<VoxelSeed> seed = next_seed()) {
+      if (static_cast<int>(seed->mesh.vertices.size()) > most) return std::nullopt;
+      return Size{{}, surface_on(*seed)};
+    }
+    Surface finer = refine(fitted.surface);
+    if (control_point_count(finer.model) > most) return std::nullopt;
+    return Size{{}, std::move(finer)};
   }
 
   PointFit one(const Size& size, bool hold_out) {
@@ -280,7 +295,7 @@ class Levels {
     const int most = most_for_tolerance();
     std::size_t best = 0;
     std::optional<Size> size = start();
-    while (size && (result_.tried.empty() || control_point_count(size->of()) <= most)) {
+    while (size) {
       keep(one(*size, false));
       const PointFit& here = result_.tried.back().fit;
       const double residual = residual_for(here, settings_.tolerance_of);
@@ -289,17 +304,17 @@ class Levels {
       const bool closer = residual < residual_for(result_.tried[best].fit, settings_.tolerance_of);
       if (cut == best_cut ? closer : best_cut) best = result_.tried.size() - 1;
       if (residual <= *tolerance_ && !cut) break;
-      size = finer(here, 1);
+      size = finer(here, 1, most);
     }
     result_.chosen = best;
   }
 
   void by_left_out_points() {
-    const int most = std::clamp(static_cast<int>(data_.points.size() / 3), 10, kMostByItself);
+    const int most = std::clamp(static_cast<int>(data_.points.size()), 10, kMostByItself);
     std::optional<Size> size = start();
     Size chosen = *size;
     double best = -1.0;
-    for (int poor = 0; poor < 2 && size && (best < 0.0 || control_point_count(size->of()) <= most);) {
+    for (int poor = 0; poor < 2 && size;) {
       const PointFit fit = one(*size, true);
       const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
       poor = better ? 0 : poor + 1;
@@ -308,7 +323,7 @@ class Levels {
         chosen = *size;
       }
       if (best < 1e-6 * data_.diameter) break;
-      size = finer(fit, 2);
+      size = finer(fit, 2, most);
     }
     PointFit last = one(chosen, false);
     last.summary.held_out_rms = best;
@@ -343,6 +358,7 @@ class Levels {
   bool from_map_ = true;
   std::optional<Correspondence> correspondence_;
   std::optional<Surface> seed_;
+  std::optional<GeometryData> body_data_;  ///< the body's surface
   std::vector<Vec3> body_points_;    ///< on the surface of the body
   double spacing_ = 0.0;             ///< of the last seed's voxels, mm
   std::vector<SurfaceModel> sizes_;  ///< of a model that is laid out on a map

@@ -5,7 +5,10 @@
 #include <optional>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/point_tree.h"
+#include "pellicle/raster/gauss_field.h"
 #include "pellicle/raster/mask_morphology.h"
 #include "pellicle/raster/mask_part.h"
 #include "pellicle/raster/rasterize.h"
@@ -68,6 +71,96 @@ std::vector<Candidate> watertight_solids(const std::vector<Vec3>& points, const 
   return solids;
 }
 
+// One point a voxel, of the finest voxels that leave so few.
+std::vector<Vec3> evenly_thinned(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi, std::size_t most) {
+  if (points.size() <= most) return points;
+  for (double h = (hi - lo).maxCoeff() / 100.0;; h *= 1.1) {
+    Mask taken = occupied_voxels({}, lo, hi, h, 1);
+    std::vector<Vec3> out;
+    for (const Vec3& x : points) {
+      const Vec3 at = taken.grid.index_from_world(x);
+      std::uint8_t& voxel = taken.at(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),
+                                     static_cast<int>(std::lround(at.z())));
+      if (voxel == 0) out.push_back(x);
+      voxel = 1;
+    }
+    if (out.size() <= most) return out;
+  }
+}
+
+// How far points and surface are from each other: the means both ways added, and twice the widest gap.
+struct Misfit {
+  double mean = 0.0, gap = 0.0;
+};
+Misfit misfit_of(const TriangleMesh& surface, const PointTree& points) {
+  const ClosestPoint to_surface(surface);
+  const auto mean_of = [](const std::vector<Vec3>& places, const auto& distance) {
+    double total = 0.0;
+    for (const Vec3& x : places) total += distance(x);
+    return total / static_cast<double>(places.size());
+  };
+  Misfit misfit;
+  misfit.mean = mean_of(points.points(), [&](const Vec3& x) { return to_surface.query(x).distance; });
+  misfit.mean += mean_of(sample_surface(surface, 3000), [&](const Vec3& x) {
+    const double d = points.nearest(x, 1).front().distance;
+    misfit.gap = std::max(misfit.gap, 2.0 * d);
+    return d;
+  });
+  return misfit;
+}
+
+// Weights 1, 2, 1 along each axis: what is narrower than the points lie apart is chance.
+void smooth(Image<float>& field) {
+  const Index3& size = field.grid.size;
+  std::size_t step = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto n = static_cast<std::size_t>(size[a]);
+    const std::vector<float> from = field.voxels;
+    for (std::size_t at = 0; at < from.size(); ++at) {
+      const std::size_t along = at / step % n;
+      const float before = along > 0 ? from[at - step] : from[at], after = along + 1 < n ? from[at + step] : from[at];
+      field.voxels[at] = 0.25F * before + 0.5F * from[at] + 0.25F * after;
+    }
+    step *= n;
+  }
+}
+
+// What is above one half. Of no, one or two smoothings the first that leaves the fewest handles: those of chance go.
+std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo, const Vec3& hi) {
+  constexpr double kMostVoxels = 72.0;  // along the longest edge
+  const double spacing = point_spacing(points);
+  const double h = std::max(spacing, (hi - lo).maxCoeff() / kMostVoxels);
+  Image<float> field = gauss_field(points.points(), spacing, occupied_voxels({}, lo, hi, h, 3).grid);
+  std::optional<Candidate> best;
+  for (int pass = 0; pass < 3; ++pass) {
+    if (pass > 0) smooth(field);
+    Candidate c;
+    c.mask = Mask(field.grid);
+    std::transform(field.voxels.begin(), field.voxels.end(), c.mask.voxels.begin(),
+                   [](float value) { return static_cast<std::uint8_t>(value > 0.5F ? 1 : 0); });
+    keep_largest(c.mask);
+    fill_cavities(c.mask);
+    c.surface = surface_of_mask(c.mask);
+    if (c.surface.triangles.empty()) continue;
+    c.genus = genus_of(c.surface);
+    if (c.genus < (best ? best->genus : 1000)) best = std::move(c);
+  }
+  if (best) best->closing = misfit_of(best->surface, points).gap;
+  return best;
+}
+
+// The narrowest watertight one, or Gauss's where that is nearer to the points.
+std::optional<Candidate> nearest_solid(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi,
+                                       const std::vector<Candidate>& watertight) {
+  constexpr std::size_t kMost = 2000;
+  const PointTree some(evenly_thinned(points, lo, hi, kMost));
+  std::optional<Candidate> gauss = gauss_candidate(some, lo, hi);
+  if (watertight.empty()) return gauss;
+  const Candidate& narrow = watertight.back();
+  if (gauss && misfit_of(gauss->surface, some).mean < misfit_of(narrow.surface, some).mean) return gauss;
+  return narrow;
+}
+
 }  // namespace
 
 ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
@@ -80,6 +173,7 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
   const double extent = (hi - lo).maxCoeff();
   if (!((hi - lo).minCoeff() > 1e-9 * extent)) throw BadData("surface around points: they all lie in one plane");
   std::vector<Candidate> solids = watertight_solids(points, lo, hi, spacing);
+  if (std::optional<Candidate> given = nearest_solid(points, lo, hi, solids)) solids.push_back(std::move(*given));
   for (auto c = solids.rbegin(); c != solids.rend(); ++c) {
     if (c->genus != 0) continue;
     Candidate& given = solids.back();

@@ -18,9 +18,10 @@ struct ClosedSolid {
 
 /// Voxels that hold points are marked on finer and coarser grids, grown, filled and shrunk again. Going from the widest
 /// to the narrowest gap that this bridges, a solid that loses more than 0.3 of the volume of the one before lets water
-/// in and is left out. The narrowest of the rest is the solid as given; the narrowest of genus 0 is the surface. \param
-/// spacing typical distance between neighbours, mm: no grid is finer. \throws BadData when nothing encloses a volume
-/// (fewer than four points, all in one plane).
+/// in and is left out. The narrowest of the rest, or the solid of Gauss's formula (gauss_field.h, from 2000 points at
+/// most) where that and the points are nearer to each other, is the solid as given; the narrowest of genus 0 is the
+/// surface. \param spacing typical distance between neighbours, mm: no grid is finer. \throws BadData when nothing
+/// encloses a volume (fewer than four points, all in one plane).
 ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing);
 
 /// Turns normals so that they leave the solid: what lies one to three voxels before and behind a point decides. Those

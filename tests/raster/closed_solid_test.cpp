@@ -8,6 +8,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
 namespace {
@@ -46,6 +47,24 @@ TEST(SolidOfPoints, BridgesAHole) {
   expect_sphere_like(solid.surface);
   EXPECT_GT(volume_of(solid.surface), 0.6 * 4.0 / 3.0 * std::numbers::pi * 1000.0);
   EXPECT_GT(solid.closing_mm, 0.0);
+}
+
+// The hole is 5 mm wide, points lie 2 mm apart: voxels that close over the points close the hole as well.
+TEST(SolidOfPoints, SeesAHoleHardlyWiderThanThePointsLieApart) {
+  RandomEngine random(3);
+  constexpr double kRing = 10.0, kTube = 7.5;
+  std::vector<Vec3> points;
+  while (points.size() < 700) {
+    const double u = 2.0 * std::numbers::pi * random.uniform(), v = 2.0 * std::numbers::pi * random.uniform();
+    const double r = kRing + kTube * std::cos(v);
+    if (random.uniform() * (kRing + kTube) > r) continue;  // evenly over the area
+    points.emplace_back(r * std::cos(u), kTube * std::sin(v), 40.0 + r * std::sin(u));
+  }
+  const ClosedSolid solid = solid_of_points(points, 1.0);
+  EXPECT_EQ(solid.genus_as_given, 1);
+  expect_sphere_like(solid.surface);
+  const double volume = 2.0 * std::numbers::pi * std::numbers::pi * kRing * kTube * kTube;
+  EXPECT_NEAR(volume_of(surface_of_mask(solid.as_given)) / volume, 1.0, 0.06);
 }
 
 TEST(SolidOfPoints, RefusesWhatEnclosesNothing) {
