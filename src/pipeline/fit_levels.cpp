@@ -24,7 +24,7 @@ constexpr int kMostByItself = 1600;  ///< control points that a fit takes withou
 constexpr int kMostForTolerance = 2600;
 constexpr int kBodySamples = 10000, kBodySteps = 12;
 constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
-constexpr double kWorthwhile = 0.9;  ///< a finer level must bring the left-out points down to this share
+constexpr double kWorthwhile = 0.9;       ///< a finer level must bring the left-out points down to this share
 
 double residual_for(const PointFit& fit, ToleranceOf which) {
   const Residual& r = fit.summary.to_surface;
@@ -194,7 +194,8 @@ class Levels {
     }
   }
 
-  // Drawn to the body's whole surface, which has no gaps and an outside: limbs are in their place before the points pull.
+  // Drawn to the body's whole surface, which has no gaps and an outside: limbs are in their place before the points
+  // pull.
   Surface surface_on(const VoxelSeed& seed) {
     if (!result_.input.open) {
       if (!body_data_) body_data_ = data_of(surface_of_mask(result_.input.body), kBodySamples);
@@ -359,10 +360,10 @@ class Levels {
   std::optional<Correspondence> correspondence_;
   std::optional<Surface> seed_;
   std::optional<GeometryData> body_data_;  ///< the body's surface
-  std::vector<Vec3> body_points_;    ///< on the surface of the body
-  double spacing_ = 0.0;             ///< of the last seed's voxels, mm
-  std::vector<SurfaceModel> sizes_;  ///< of a model that is laid out on a map
-  std::size_t at_ = 0;               ///< the present one
+  std::vector<Vec3> body_points_;          ///< on the surface of the body
+  double spacing_ = 0.0;                   ///< of the last seed's voxels, mm
+  std::vector<SurfaceModel> sizes_;        ///< of a model that is laid out on a map
+  std::size_t at_ = 0;                     ///< the present one
 };
 
 }  // namespace
