@@ -24,7 +24,7 @@ constexpr int kMostByItself = 1600;  ///< control points that a fit takes withou
 constexpr int kMostForTolerance = 2600;
 constexpr int kBodySamples = 10000, kBodySteps = 12;
 constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
-constexpr double kWorthwhile = 0.9;       ///< a finer level must bring the left-out points down to this share
+constexpr double kWorthwhile = 0.97;      ///< a finer level must bring the left-out points down to this share
 
 double residual_for(const PointFit& fit, ToleranceOf which) {
   const Residual& r = fit.summary.to_surface;
