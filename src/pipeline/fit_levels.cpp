@@ -178,14 +178,14 @@ class Levels {
   }
 
   // Voxels of the genus of the data that reach all of them, the coarsest first, each grid finer by a root of two: twice
-  // the control points. Thin limbs fill the less of a voxel.
+  // the control points. Thin limbs fill the less of a voxel; what must fill more keeps near sheets apart.
   std::optional<VoxelSeed> next_seed() {
     const Image<std::uint8_t>& body = result_.input.body;
     if (!(spacing_ > 0.0)) spacing_ = std::sqrt(2.0) * coarsest_spacing(body);
     for (;;) {
       spacing_ /= std::sqrt(2.0);
       if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
-      for (const double share : {0.5, 0.3, 0.15}) {
+      for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
         const Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share);
         if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
         VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share);
@@ -321,12 +321,18 @@ class Levels {
       poor = better ? 0 : poor + 1;
       if (better) {
         best = fit.summary.held_out_rms;
-        chosen = *size;
+        chosen = from_map_ ? *size : Size{{}, fit.surface};
       }
       if (best < 1e-6 * data_.diameter) break;
       size = finer(fit, 2, most);
     }
+    // With all points; a surface that starts from voxels goes on from where it was and is only left for a nearer one.
     PointFit last = one(chosen, false);
+    if (!from_map_) {
+      PointFit before{*chosen.start, last.summary};
+      measure_fit(data_, before);
+      if (before.summary.to_surface.rms < last.summary.to_surface.rms) last = std::move(before);
+    }
     last.summary.held_out_rms = best;
     keep(std::move(last));
   }
