@@ -22,6 +22,7 @@ namespace {
 
 constexpr int kMostByItself = 1600;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
+constexpr int kCheap = 200;  ///< control points: coarser levels take no part in ending the search
 constexpr int kBodySamples = 10000, kBodySteps = 12;
 constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
 constexpr double kWorthwhile = 0.97;      ///< a finer level must bring the left-out points down to this share
@@ -318,7 +319,8 @@ class Levels {
     for (int poor = 0; poor < 2 && size;) {
       const PointFit fit = one(*size, true);
       const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
-      poor = better ? 0 : poor + 1;
+      const bool cheap = control_point_count(size->of()) < kCheap;
+      poor = better ? 0 : poor + (cheap ? 0 : 1);
       if (better) {
         best = fit.summary.held_out_rms;
         chosen = from_map_ ? *size : Size{{}, fit.surface};
