@@ -222,18 +222,16 @@ class Levels {
     return {sizes_.front(), {}};
   }
 
-  // Of a seeded surface the next finer seed, and where voxels are fine enough the fitted surface itself, refined. None
-  // of more than so many control points.
+  // Of a seeded surface the next finer seed, and where there is none the fitted surface itself, refined. None of more
+  // than so many control points.
   std::optional<Size> finer(const PointFit& fitted, std::size_t stride, int most) {
     if (from_map_) {
       at_ += stride;
       if (at_ >= sizes_.size() || control_point_count(sizes_[at_]) > most) return std::nullopt;
       return Size{sizes_[at_], {}};
     }
-    if (const std::optional<VoxelSeed> seed = next_seed()) {
-      if (static_cast<int>(seed->mesh.vertices.size()) > most) return std::nullopt;
-      return Size{{}, surface_on(*seed)};
-    }
+    const std::optional<VoxelSeed> seed = next_seed();
+    if (seed && static_cast<int>(seed->mesh.vertices.size()) <= most) return Size{{}, surface_on(*seed)};
     Surface finer = refine(fitted.surface);
     if (control_point_count(finer.model) > most) return std::nullopt;
     return Size{{}, std::move(finer)};
