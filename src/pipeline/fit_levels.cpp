@@ -310,7 +310,7 @@ class Levels {
   }
 
   void by_left_out_points() {
-    const int most = std::clamp(static_cast<int>(data_.points.size()), 10, kMostByItself);
+    const int most = std::clamp(static_cast<int>(data_.points.size() / 2), 10, kMostByItself);
     std::optional<Size> size = start();
     Size chosen = *size;
     double best = -1.0;
