@@ -3,7 +3,7 @@
 
     scripts/pictures/draw_shapes.py CLOUD.xyz ...      the picture lands in docs/images/shapes.png
 
-Clouds of 2000 noisy points of meshes are written by `bench_accuracy shapes --data FOLDER --scratch FOLDER`.
+Clouds are text files with a point a line.
 """
 import pathlib
 import sys
