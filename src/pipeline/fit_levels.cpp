@@ -312,29 +312,25 @@ class Levels {
   void by_left_out_points() {
     const int most = std::clamp(static_cast<int>(data_.points.size() / 2), 10, kMostByItself);
     std::optional<Size> size = start();
-    Size chosen = *size;
-    double best = -1.0;
+    std::optional<PointFit> best;
+    Size chosen;
     for (int poor = 0; poor < 2 && size;) {
       const PointFit fit = one(*size, true);
-      const bool better = best < 0.0 || fit.summary.held_out_rms < kWorthwhile * best;
+      const bool better = !best || fit.summary.held_out_rms < kWorthwhile * best->summary.held_out_rms;
       const bool cheap = control_point_count(size->of()) < kCheap;
       poor = better ? 0 : poor + (cheap ? 0 : 1);
       if (better) {
-        best = fit.summary.held_out_rms;
+        best = fit;
         chosen = from_map_ ? *size : Size{{}, fit.surface};
       }
-      if (best < 1e-6 * data_.diameter) break;
+      if (best->summary.held_out_rms < 1e-6 * data_.diameter) break;
       size = finer(fit, 2, most);
     }
     // With all points; a surface that starts from voxels goes on from where it was and is only left for a nearer one.
     PointFit last = one(chosen, false);
-    if (!from_map_) {
-      PointFit before{*chosen.start, last.summary};
-      measure_fit(data_, before);
-      if (before.summary.to_surface.rms < last.summary.to_surface.rms) last = std::move(before);
-    }
-    last.summary.held_out_rms = best;
-    keep(std::move(last));
+    last.summary.held_out_rms = best->summary.held_out_rms;
+    const bool nearer = from_map_ || last.summary.to_surface.rms <= best->summary.to_surface.rms;
+    keep(nearer ? std::move(last) : std::move(*best));
   }
 
   void keep(PointFit fit) {

@@ -145,7 +145,6 @@ std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo
     c.genus = genus_of(c.surface);
     if (c.genus < (best ? best->genus : 1000)) best = std::move(c);
   }
-  if (best) best->closing = misfit_of(best->surface, points).gap;
   return best;
 }
 
@@ -155,10 +154,11 @@ std::optional<Candidate> nearest_solid(const std::vector<Vec3>& points, const Ve
   constexpr std::size_t kMost = 2000;
   const PointTree some(evenly_thinned(points, lo, hi, kMost));
   std::optional<Candidate> gauss = gauss_candidate(some, lo, hi);
-  if (watertight.empty()) return gauss;
-  const Candidate& narrow = watertight.back();
-  if (gauss && misfit_of(gauss->surface, some).mean < misfit_of(narrow.surface, some).mean) return gauss;
-  return narrow;
+  if (!gauss) return watertight.empty() ? std::nullopt : std::optional(watertight.back());
+  const Misfit misfit = misfit_of(gauss->surface, some);
+  gauss->closing = misfit.gap;
+  if (watertight.empty() || misfit.mean < misfit_of(watertight.back().surface, some).mean) return gauss;
+  return watertight.back();
 }
 
 }  // namespace
