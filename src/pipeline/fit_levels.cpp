@@ -196,14 +196,14 @@ class Levels {
   }
 
   // Drawn to the body's whole surface, which has no gaps and an outside: limbs are in their place before the points
-  // pull.
+  // pull. That shape is then the one at rest: bending measured against voxels would keep their corners.
   Surface surface_on(const VoxelSeed& seed) {
     if (!result_.input.open) {
       if (!body_data_) body_data_ = data_of(surface_of_mask(result_.input.body), kBodySamples);
       PointFitSettings stiff = fit_settings_;
       stiff.smoothness *= kBodySmoothness;
       stiff.max_steps = kBodySteps;
-      return fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface;
+      return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
     }
     const PointTree tree(data_.points);
     auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, seed.spacing_mm);

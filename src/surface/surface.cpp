@@ -142,6 +142,32 @@ Surface refine(const Surface& surface) {
       surface.model);
 }
 
+namespace {
+
+NormalModel resting(const NormalModel& model, const Parameters& shape) {
+  return {model.vertex_count(), model.triangles(), model.rule(), shape};
+}
+
+SplineModel resting(const SplineModel& model, const Parameters& /*shape*/) {
+  return model;
+}
+
+CatmullClarkModel resting(const CatmullClarkModel& model, const Parameters& shape) {
+  const Border border = model.is_closed() ? Border::refused : Border::allowed;
+  return {model.vertex_count(), model.topology().quads, {shape, false}, border};
+}
+
+SlimeModel resting(const SlimeModel& model, const Parameters& shape) {
+  return {model.vertex_count(), model.topology().quads, {shape, false}};
+}
+
+}  // namespace
+
+Surface at_rest(const Surface& surface) {
+  return {std::visit([&](const auto& m) -> SurfaceModel { return resting(m, surface.parameters); }, surface.model),
+          surface.parameters};
+}
+
 TriangleMesh mesh_of(const SampleLayout& layout, const SurfaceSamples& samples) {
   return {samples.x, layout.triangles, samples.normal};
 }

@@ -60,6 +60,9 @@ void evaluate(const SurfaceModel& model, const Parameters& parameters, const Sam
 void pull_back(const SurfaceModel& model, const Parameters& parameters, const SampleLayout& layout,
                const std::vector<Vec3>& dE_dx, std::vector<double>& gradient);
 Surface refine(const Surface& surface);
+/// The same surface with its present shape as the reference, so that smoothness is measured against it. A spline, whose
+/// poles belong to its reference, keeps the one it has.
+Surface at_rest(const Surface& surface);
 /// Mesh with limit normals, closed when the model is, 2^level intervals along a control edge.
 TriangleMesh tessellate(const Surface& surface, int level);
 /// The level at which facet edges are about `edge_mm` long (root mean square) or shorter, at most 7.
