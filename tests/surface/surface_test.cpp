@@ -84,6 +84,26 @@ TEST(EveryModel, AffineImageIsTheImageOfTheReferenceShape) {
   }
 }
 
+TEST(EveryModel, AtRestItsShapeIsItsReference) {
+  for (const ModelChoice& choice : every_model()) {
+    const SurfaceModel model = start_model(choice);
+    const Surface surface{model, affine_image(model, Vec3(1, 2, 3), skewed_map())};
+    const Surface rested = at_rest(surface);
+    EXPECT_EQ(rested.parameters, surface.parameters) << model_name(model);
+    EXPECT_EQ(is_closed(rested.model), is_closed(model)) << model_name(model);
+    const bool keeps = std::holds_alternative<SplineModel>(model);
+    const Parameters expected = keeps ? affine_image(model, Vec3::Zero(), Mat3::Identity()) : surface.parameters;
+    const Parameters reference = affine_image(rested.model, Vec3::Zero(), Mat3::Identity());
+    ASSERT_EQ(reference.size(), expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(reference[k], expected[k], 1e-12);
+    const SampleLayout before = layout_of(model, 2), after = layout_of(rested.model, 2);
+    SurfaceSamples was, is;
+    evaluate(model, surface.parameters, before, false, was);
+    evaluate(rested.model, rested.parameters, after, false, is);
+    EXPECT_EQ(was.x, is.x) << model_name(model);
+  }
+}
+
 TEST(EveryModel, LevelsShareTheirSamples) {
   for (const ModelChoice& choice : every_model()) {
     const SurfaceModel model = start_model(choice);
