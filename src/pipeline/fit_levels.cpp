@@ -165,33 +165,43 @@ class Levels {
     correspondence_ = choose_axis(map, probe);
   }
 
-  // No limb is lost: nearly all of the body's surface is near the seed.
-  bool covers(const VoxelSeed& seed) {
+  // Share of the body's surface that is not near the seed: limbs that it lacks.
+  double missed_by(const VoxelSeed& seed) {
     constexpr int kLooks = 1000;
-    constexpr double kNear = 1.5, kMissed = 0.01;
+    constexpr double kNear = 1.5;
     if (body_points_.empty()) body_points_ = sample_surface(surface_of_mask(result_.input.body), kLooks);
     const TriangleMesh mesh = split_quads(seed.mesh);
     const ClosestPoint nearest(mesh);
     const auto missed = std::count_if(body_points_.begin(), body_points_.end(), [&](const Vec3& x) {
       return nearest.query(x).distance > kNear * seed.spacing_mm;
     });
-    return static_cast<double>(missed) <= kMissed * kLooks;
+    return static_cast<double>(missed) / kLooks;
   }
 
-  // Voxels of the genus of the data that reach all of them, the coarsest first, each grid finer by a root of two: twice
-  // the control points. Thin limbs fill the less of a voxel; what must fill more keeps near sheets apart.
+  // Voxels of the genus of the data that reach all of them, or of one grid those that miss least; the coarsest first,
+  // each grid finer by a root of two: twice the control points. Thin limbs fill the less of a voxel; what must fill
+  // more keeps near sheets apart.
   std::optional<VoxelSeed> next_seed() {
+    constexpr double kNone = 0.01;
     const Image<std::uint8_t>& body = result_.input.body;
     if (!(spacing_ > 0.0)) spacing_ = std::sqrt(2.0) * coarsest_spacing(body);
     for (;;) {
       spacing_ /= std::sqrt(2.0);
       if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
+      std::optional<VoxelSeed> best;
+      double least = 1.0;
       for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
         const Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share);
         if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
         VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share);
-        if (seed.genus == result_.input.genus && covers(seed)) return seed;
+        if (seed.genus != result_.input.genus) continue;
+        const double missed = missed_by(seed);
+        if (missed >= least) continue;
+        least = missed;
+        best = std::move(seed);
+        if (least <= kNone) break;
       }
+      if (best) return best;
     }
   }
 
@@ -242,6 +252,14 @@ class Levels {
     PointFit fit = size.model ? fit_to_map(*size.model, data_, *correspondence_, fit_settings_, hold_out)
                               : fit_from(*size.start, data_, fit_settings_, hold_out);
     measure_fit(data_, fit);
+    if (context_.inform) {
+      const PointFitSummary& s = fit.summary;
+      const double percent = 100.0 / data_.diameter;
+      context_.inform(fmt::format("{}: rms {:.3g} %, max {:.3g} % of the diameter{}{}, {}", name_of_size(size.of()),
+                                  percent * s.to_surface.rms, percent * s.to_surface.max,
+                                  hold_out ? fmt::format(", left-out points {:.3g} %", percent * s.held_out_rms) : "",
+                                  s.self_intersections > 0 ? ", cuts itself" : "", s.reason));
+    }
     return fit;
   }
 

@@ -128,6 +128,7 @@ void smooth(Image<float>& field) {
 // What is above one half. Of no, one or two smoothings the first that leaves the fewest handles: those of chance go.
 std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo, const Vec3& hi) {
   constexpr double kMostVoxels = 72.0;  // along the longest edge
+  constexpr std::size_t kLeastPart = 8;
   const double spacing = point_spacing(points);
   const double h = std::max(spacing, (hi - lo).maxCoeff() / kMostVoxels);
   Image<float> field = gauss_field(points.points(), spacing, occupied_voxels({}, lo, hi, h, 3).grid);
@@ -138,7 +139,7 @@ std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo
     c.mask = Mask(field.grid);
     std::transform(field.voxels.begin(), field.voxels.end(), c.mask.voxels.begin(),
                    [](float value) { return static_cast<std::uint8_t>(value > 0.5F ? 1 : 0); });
-    keep_largest(c.mask);
+    join_parts(c.mask, field, kLeastPart);  // limbs hang by less than a voxel in places
     fill_cavities(c.mask);
     c.surface = surface_of_mask(c.mask);
     if (c.surface.triangles.empty()) continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <queue>
 
 namespace pellicle {
 
@@ -28,33 +30,90 @@ void pass(Mask& mask, int axis, bool grow) {
   }
 }
 
+// visit(voxel) for each of up to six that share a face with the voxel `at`.
+template <class Visit>
+void for_neighbours(const Index3& size, std::size_t at, const Visit& visit) {
+  std::size_t stride = 1;
+  for (const int n : size) {
+    const std::size_t along = at / stride % static_cast<std::size_t>(n);
+    if (along > 0) visit(at - stride);
+    if (along + 1 < static_cast<std::size_t>(n)) visit(at + stride);
+    stride *= static_cast<std::size_t>(n);
+  }
+}
+
 // Voxels that hang together by faces with `seed` and have the same value get `mark`; returns how many.
 std::size_t flood(Mask& mask, std::size_t seed, std::uint8_t mark) {
-  const Index3& size = mask.grid.size;
-  const std::size_t nx = static_cast<std::size_t>(size[0]), ny = static_cast<std::size_t>(size[1]),
-                    nz = static_cast<std::size_t>(size[2]);
   const std::uint8_t from = mask.voxels[seed];
   std::vector<std::size_t> open{seed};
   mask.voxels[seed] = mark;
   std::size_t count = 0;
-  const auto visit = [&](bool there, std::size_t at) {
-    if (!there || mask.voxels[at] != from) return;
-    mask.voxels[at] = mark;
-    open.push_back(at);
-  };
   while (!open.empty()) {
     const std::size_t at = open.back();
     open.pop_back();
     ++count;
-    const std::size_t x = at % nx, y = at / nx % ny, z = at / (nx * ny);
-    visit(x > 0, at - 1);
-    visit(x + 1 < nx, at + 1);
-    visit(y > 0, at - nx);
-    visit(y + 1 < ny, at + nx);
-    visit(z > 0, at - nx * ny);
-    visit(z + 1 < nz, at + nx * ny);
+    for_neighbours(mask.grid.size, at, [&](std::size_t next) {
+      if (mask.voxels[next] != from) return;
+      mask.voxels[next] = mark;
+      open.push_back(next);
+    });
   }
   return count;
+}
+
+constexpr std::uint8_t kMain = 1, kApart = 2, kSmall = 3;
+
+// The largest part and those of `least` voxels or more are told apart.
+std::size_t mark_parts(Mask& mask, std::size_t least) {
+  std::size_t most = 0, where = 0;
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
+    if (mask.voxels[i] != kMain) continue;
+    const std::size_t count = flood(mask, i, kApart);
+    if (count < least) flood(mask, i, kSmall);
+    if (count > most) {
+      most = count;
+      where = i;
+    }
+  }
+  if (most > 0) flood(mask, where, kMain);
+  return most;
+}
+
+// The cheapest way (Dijkstra) from the main part to any other: its voxels between the two, and that part, become main.
+bool join_nearest(Mask& mask, const Image<float>& field) {
+  constexpr float kStep = 0.01F, kFarthest = 1.5F;
+  std::vector<float> cost(mask.voxels.size(), std::numeric_limits<float>::infinity());
+  std::vector<std::size_t> from(mask.voxels.size());
+  using Entry = std::pair<float, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
+    if (mask.voxels[i] != kMain) continue;
+    cost[i] = 0.0F;
+    open.emplace(0.0F, i);
+  }
+  while (!open.empty()) {
+    const auto [here, at] = open.top();
+    open.pop();
+    if (here > cost[at]) continue;
+    if (mask.voxels[at] == kApart) {
+      flood(mask, at, kMain);
+      std::vector<std::size_t> path;
+      for (std::size_t way = from[at]; mask.voxels[way] != kMain; way = from[way]) path.push_back(way);
+      for (const std::size_t way : path) {
+        mask.voxels[way] = kMain;
+        for_neighbours(mask.grid.size, way, [&](std::size_t next) { mask.voxels[next] = kMain; });
+      }
+      return true;
+    }
+    for_neighbours(mask.grid.size, at, [&](std::size_t next) {
+      const float there = here + kStep + std::clamp(0.5F - field.voxels[next], 0.0F, 0.5F);
+      if (there > kFarthest || there >= cost[next]) return;
+      cost[next] = there;
+      from[next] = at;
+      open.emplace(there, next);
+    });
+  }
+  return false;
 }
 
 }  // namespace
@@ -71,18 +130,17 @@ void fill_cavities(Mask& mask) {
 }
 
 std::size_t keep_largest(Mask& mask) {
-  std::size_t most = 0, where = 0;
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
-    if (mask.voxels[i] != 1) continue;
-    const std::size_t count = flood(mask, i, 2);
-    if (count > most) {
-      most = count;
-      where = i;
+  const std::size_t most = mark_parts(mask, 0);
+  for (auto& v : mask.voxels) v = v == kMain ? 1 : 0;
+  return most;
+}
+
+void join_parts(Mask& mask, const Image<float>& field, std::size_t least) {
+  if (mark_parts(mask, least) > 0) {
+    while (join_nearest(mask, field)) {
     }
   }
-  if (most > 0) flood(mask, where, 1);
-  for (auto& v : mask.voxels) v = v == 1 ? 1 : 0;
-  return most;
+  for (auto& v : mask.voxels) v = v == kMain ? 1 : 0;
 }
 
 Mask occupied_voxels(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi, double h, int margin) {

@@ -3,11 +3,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
+#include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/raster/mask_morphology.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -65,6 +68,57 @@ TEST(SolidOfPoints, SeesAHoleHardlyWiderThanThePointsLieApart) {
   expect_sphere_like(solid.surface);
   const double volume = 2.0 * std::numbers::pi * std::numbers::pi * kRing * kTube * kTube;
   EXPECT_NEAR(volume_of(surface_of_mask(solid.as_given)) / volume, 1.0, 0.06);
+}
+
+// Where the field of a thin limb falls below one half for a voxel, the limb goes on behind.
+TEST(JoinParts, FollowsTheFieldAndLeavesOutWhatIsFarOrSmall) {
+  ImageGrid grid;
+  grid.size = {40, 9, 9};
+  Image<float> field(grid, 0.0F);
+  const auto fill = [&](int from, int to, int half, float value) {
+    for (int i = from; i < to; ++i) {
+      for (int j = 4 - half; j <= 4 + half; ++j) {
+        for (int k = 4 - half; k <= 4 + half; ++k) field.at(i, j, k) = value;
+      }
+    }
+  };
+  fill(2, 10, 2, 1.0F);   // the body
+  fill(10, 14, 0, 0.3F);  // four voxels of a thread
+  fill(14, 20, 1, 1.0F);  // the limb
+  fill(21, 22, 0, 1.0F);  // dust
+  fill(28, 36, 1, 1.0F);  // something else
+  Image<std::uint8_t> mask(grid);
+  std::transform(field.voxels.begin(), field.voxels.end(), mask.voxels.begin(),
+                 [](float value) { return static_cast<std::uint8_t>(value > 0.5F ? 1 : 0); });
+  Image<std::uint8_t> far_from_thread = mask;
+  join_parts(mask, field, 8);
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(mask.at(i, 4, 4), i >= 2 && i < 20 ? 1 : 0) << i;
+  Image<std::uint8_t> largest = mask;
+  keep_largest(largest);
+  EXPECT_EQ(largest.voxels, mask.voxels);
+  EXPECT_EQ(topology_of(surface_of_mask(mask)).genus, 0);
+
+  fill(10, 14, 0, 0.0F);  // without the thread it is too far
+  join_parts(far_from_thread, field, 8);
+  EXPECT_EQ(far_from_thread.at(15, 4, 4), 0);
+  EXPECT_EQ(far_from_thread.at(5, 4, 4), 1);
+}
+
+TEST(SolidOfPoints, KeepsALimbAsThinAsThreeSpacings) {
+  RandomEngine random(4);
+  constexpr double kBall = 10.0, kLimb = 1.2, kEnd = 26.0;
+  std::vector<Vec3> points = on_ball(1200, kBall, random);
+  std::erase_if(points, [](const Vec3& x) { return x.z() > 0.0 && x.head<2>().norm() < kLimb; });
+  for (int i = 0; i < 140; ++i) {
+    const double u = 2.0 * std::numbers::pi * random.uniform();
+    points.emplace_back(kLimb * std::cos(u), kLimb * std::sin(u), kBall + (kEnd - kBall) * random.uniform());
+  }
+  const ClosedSolid solid = solid_of_points(points, 1.0);
+  EXPECT_EQ(solid.genus_as_given, 0);
+  const ClosestPoint nearest(surface_of_mask(solid.as_given));
+  double farthest = 0.0;
+  for (const Vec3& x : points) farthest = std::max(farthest, nearest.query(x).distance);
+  EXPECT_LT(farthest, 3.0);
 }
 
 TEST(SolidOfPoints, RefusesWhatEnclosesNothing) {
