@@ -92,7 +92,8 @@ bool join_nearest(Mask& mask, const Image<float>& field) {
     open.emplace(0.0F, i);
   }
   while (!open.empty()) {
-    const auto [here, at] = open.top();
+    const float here = open.top().first;
+    const std::size_t at = open.top().second;
     open.pop();
     if (here > cost[at]) continue;
     if (mask.voxels[at] == kApart) {
