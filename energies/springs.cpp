@@ -6,6 +6,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/mesh/point_tree.h"
 
 namespace pellicle {
 
@@ -108,6 +109,26 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
     const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
     rows.add(static_cast<int>(i), root * m);
     rows.close(root * m.dot(hit.point));
+  }
+  return rows;
+}
+
+ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
+                          double reach, double energy_weight) {
+  constexpr double kAlong = 0.7;  // across a hole the way to its rim is none along the normal
+  std::vector<PointTree::Neighbour> nearest(samples.x.size());
+  parallel_for(nearest.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) nearest[i] = points.nearest(samples.x[i], 1).front();
+  });
+  const double total = sum(area);
+  ScalarRows rows;
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const double distance = nearest[i].distance;
+    const Vec3 &x = samples.x[i], &p = points.points()[static_cast<std::size_t>(nearest[i].point)];
+    if (distance <= reach || std::abs(samples.normal[i].dot(x - p)) < kAlong * distance) continue;
+    const Vec3 n = std::sqrt(2.0 * energy_weight * area[i] / total) * samples.normal[i];
+    rows.add(static_cast<int>(i), n);
+    rows.close(n.dot(p));
   }
   return rows;
 }

@@ -17,6 +17,8 @@
 
 namespace pellicle {
 
+class PointTree;
+
 /// The place of the surface nearest to a data point.
 struct Attachment {
   int triangle = -1;  ///< of the layout; -1: none
@@ -41,6 +43,11 @@ ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& poin
 /// \param data_normals of the data mesh's facets: places that face the other way are not taken; empty: all are.
 ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
                                const std::vector<Vec3>& data_normals, double reach, double energy_weight);
+
+/// Springs along the normals from samples that lie further than `reach` mm from every point, and off them along their
+/// normals, to the nearest point: limbs that reach beyond the data. \param area of the samples.
+ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
+                          double reach, double energy_weight);
 
 /// Tukey's biweight (1 - (r/c)^2)^2 within c = `cutoff` robust deviations of the distances, 0 beyond; the deviation is
 /// at least `floor` mm.

@@ -30,6 +30,8 @@ constexpr double kStiffening = 3.0, kMostStiffening = 1000.0;  ///< of a patch t
 constexpr double kAnchor = 0.0002;                             ///< of sliding_rows, against springs of weight 1
 constexpr double kRim = 0.1;  ///< of the rim's springs; they act along the surface, where little holds against
 constexpr int kHoldBacks = 6;
+// Springs back to the data and what counts as beyond them, in typical distances of neighbouring points.
+constexpr double kOvershoot = 1.0, kBeyond = 2.5;
 
 /// About four samples a control point or more; see knot_layout_of.
 SampleLayout fit_layout(const SurfaceModel& model) {
@@ -154,6 +156,10 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
   }
   if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<PointTree>(data.rim);
   choose_points();
+  if (data.robust && data.rim.empty() && !data.surface) {
+    cloud_ = std::make_unique<PointTree>(chosen_);
+    reach_ = kBeyond * point_spacing(*cloud_);
+  }
 }
 
 // A fixed choice of the points when there are more than a step needs, and those that take no part.
@@ -274,6 +280,9 @@ void LevelFit::step() {
   if (data_surface_) {
     rows.push_back({"reverse springs",
                     reverse_spring_rows(samples, area, *data_surface_, data_normals_, 0.2 * data_.diameter, share)});
+  }
+  if (cloud_) {
+    rows.push_back({"overshoot", overshoot_rows(samples, area, *cloud_, reach_, kOvershoot)});
   }
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});

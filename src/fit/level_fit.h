@@ -69,7 +69,9 @@ class LevelFit {
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
   std::unique_ptr<ClosestPoint> data_surface_;
-  std::unique_ptr<PointTree> rim_;  ///< of open data
+  std::unique_ptr<PointTree> cloud_;  ///< the chosen points, where they alone are the data
+  double reach_ = 0.0;                ///< mm; what is further from them is beyond them
+  std::unique_ptr<PointTree> rim_;    ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
   double total_weight_ = 0.0, trust_ = 1e4;

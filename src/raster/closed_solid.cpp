@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/image/limb_growth.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
@@ -125,6 +126,61 @@ void smooth(Image<float>& field) {
   }
 }
 
+// Strings of points that lie off the surface, each with one that is far off, as voxels along them: limbs too thin for
+// the field.
+Image<std::uint8_t> limbs_beyond(const TriangleMesh& surface, const PointTree& points, const ImageGrid& grid) {
+  constexpr double kOff = 0.75, kFar = 2.0, kLink = 3.0;  // voxels
+  constexpr double kUsuallyOff = 3.0, kUsuallyFar = 6.0;  // medians of all distances: noise is no limb
+  constexpr int kNeighbours = 8;
+  constexpr std::size_t kLeast = 3;
+  constexpr std::uint8_t kAll = 0xFF;  // octants
+  const double h = grid.spacing[0];
+  const ClosestPoint to_surface(surface);
+  std::vector<double> distance;
+  for (const Vec3& x : points.points()) distance.push_back(to_surface.query(x).distance);
+  std::vector<double> sorted = distance;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2], off = std::max(kOff * h, kUsuallyOff * usual),
+               far = std::max(kFar * h, kUsuallyFar * usual);
+  Image<std::uint8_t> limbs(grid);
+  const auto mark = [&](const Vec3& x) {
+    const Vec3 at = grid.index_from_world(x);
+    limbs.at(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),
+             static_cast<int>(std::lround(at.z()))) = kAll;
+  };
+  std::vector<bool> seen(distance.size(), false);
+  for (std::size_t tip = 0; tip < distance.size(); ++tip) {
+    if (seen[tip] || distance[tip] < far) continue;
+    std::vector<std::size_t> open{tip};
+    std::vector<std::pair<Vec3, Vec3>> links;
+    seen[tip] = true;
+    while (!open.empty()) {
+      const Vec3 x = points.points()[open.back()];
+      open.pop_back();
+      for (const auto& next : points.nearest(x, kNeighbours)) {
+        const auto n = static_cast<std::size_t>(next.point);
+        if (seen[n] || distance[n] < off || next.distance > kLink * h) continue;
+        seen[n] = true;
+        open.push_back(n);
+        links.emplace_back(x, points.points()[n]);
+      }
+    }
+    if (links.size() + 1 < kLeast) continue;
+    for (const auto& [from, to] : links) {
+      const int steps = 1 + static_cast<int>(2.0 * (to - from).norm() / h);
+      for (int k = 0; k <= steps; ++k) mark(from + (to - from) * k / steps);
+    }
+  }
+  return limbs;
+}
+
+void add_limbs(Candidate& c, const PointTree& points) {
+  Candidate with = c;
+  grow_along_limbs(with.mask, limbs_beyond(c.surface, points, c.mask.grid));
+  with.surface = surface_of_mask(with.mask);
+  if (genus_of(with.surface) == c.genus) c = std::move(with);
+}
+
 // What is above one half. Of no, one or two smoothings the first that leaves the fewest handles: those of chance go.
 std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo, const Vec3& hi) {
   constexpr double kMostVoxels = 72.0;  // along the longest edge
@@ -146,6 +202,7 @@ std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo
     c.genus = genus_of(c.surface);
     if (c.genus < (best ? best->genus : 1000)) best = std::move(c);
   }
+  if (best) add_limbs(*best, points);
   return best;
 }
 

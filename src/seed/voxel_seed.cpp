@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/image/limb_growth.h"
+#include "pellicle/seed/components.h"
 
 namespace pellicle {
 namespace {
@@ -91,6 +93,13 @@ ImageGrid grid_over(const Vec3& first_centre, const Vec3& extent, double spacing
   return grid;
 }
 
+void keep_largest(Image<std::uint8_t>& voxels) {
+  const Components found = components_of(voxels);
+  if (found.parts.size() < 2) return;
+  std::transform(found.labels.voxels.begin(), found.labels.voxels.end(), voxels.voxels.begin(),
+                 [&](std::int32_t id) { return static_cast<std::uint8_t>(id == found.parts.front().id ? 1 : 0); });
+}
+
 VoxelSeed finished(Image<std::uint8_t> voxels, double spacing_mm) {
   VoxelSeed seed;
   seed.spacing_mm = spacing_mm;
@@ -128,7 +137,12 @@ Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spa
   return morphed(wide, false, [](int inside, int all) { return inside == all; });
 }
 
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share) {
+namespace {
+
+/// \param largest the mask's largest part: limbs of that alone are followed, not specks.
+Image<std::uint8_t> coarse_voxels(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& largest,
+                                  double spacing_mm, double share) {
+  constexpr double kHeld = 0.2;  ///< of an octant
   check_spacing(spacing_mm);
   const Box box = box_of(mask);
   const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels
@@ -139,46 +153,68 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     first[a] = (box.lo[a] + box.hi[a] - (grid.size[axis] - 1) * step[a]) / 2;
-    parts[axis] = std::clamp(static_cast<int>(std::ceil(2 * step[a])), 2, 6);
+    parts[axis] = 2 * std::clamp(static_cast<int>(std::ceil(step[a])), 1, 3);
   }
   grid.direction = mask.grid.direction;
   grid.origin_in_world = mask.grid.world_from_index(first);
   Image<std::uint8_t> voxels(grid);
-  const auto inside_at = [&](const Vec3& index) {
+  Image<std::uint8_t> octants(grid);
+  const auto inside_at = [&](const Vec3& index) {  // 0, 1 for the mask, 2 for its largest part
     const Vec3 nearest = (index.array() + 0.5).floor();
     const Index3 v{static_cast<int>(nearest.x()), static_cast<int>(nearest.y()), static_cast<int>(nearest.z())};
     for (std::size_t a = 0; a < 3; ++a) {
-      if (v[a] < 0 || v[a] >= mask.grid.size[a]) return false;
+      if (v[a] < 0 || v[a] >= mask.grid.size[a]) return 0;
     }
-    return mask.at(v[0], v[1], v[2]) != 0;
+    return mask.at(v[0], v[1], v[2]) == 0 ? 0 : largest.at(v[0], v[1], v[2]) != 0 ? 2 : 1;
   };
   const int all = parts[0] * parts[1] * parts[2];
   for (int k = 0; k < grid.size[2]; ++k) {
     for (int j = 0; j < grid.size[1]; ++j) {
       for (int i = 0; i < grid.size[0]; ++i) {
         int inside = 0;
+        std::array<int, 8> in_octant{};
         for (int p = 0; p < all; ++p) {
           const Index3 at{p % parts[0], p / parts[0] % parts[1], p / (parts[0] * parts[1])};
           const Vec3 offset =
               (Vec3(at[0], at[1], at[2]).array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
-          inside += inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset)) ? 1 : 0;
+          const int here = inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset));
+          if (here > 0) ++inside;
+          if (here > 1)
+            ++in_octant[(offset.x() > 0 ? 1U : 0U) + (offset.y() > 0 ? 2U : 0U) + (offset.z() > 0 ? 4U : 0U)];
+        }
+        for (unsigned o = 0; o < 8; ++o) {
+          if (in_octant[o] >= kHeld * all / 8) octants.at(i, j, k) |= static_cast<std::uint8_t>(1U << o);
         }
         voxels.at(i, j, k) = inside > 0 && inside >= share * all ? 1 : 0;
       }
     }
   }
+  keep_largest(voxels);
+  grow_along_limbs(voxels, octants);
   return voxels;
+}
+
+Image<std::uint8_t> largest_part_of(Image<std::uint8_t> mask) {
+  keep_largest(mask);
+  return mask;
+}
+
+}  // namespace
+
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share) {
+  return coarse_voxels(mask, largest_part_of(mask), spacing_mm, share);
 }
 
 VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share) {
   if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm, share), *spacing_mm);
   const double coarsest = coarsest_spacing(mask);
   constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
+  const Image<std::uint8_t> largest = largest_part_of(mask);
   std::vector<VoxelSeed> seeds;
   for (int step = 0; step < kMost; ++step) {
     const double spacing = coarsest * std::pow(0.5, 0.5 * step);
     if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
-    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share);
+    Image<std::uint8_t> voxels = coarse_voxels(mask, largest, spacing, share);
     const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
     if (!empty) seeds.push_back(finished(std::move(voxels), spacing));
   }

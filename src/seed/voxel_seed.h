@@ -22,7 +22,9 @@ VoxelBlock classify_block(unsigned pattern);
 /// than the object. \throws BadData without points, UsageError unless the spacing is positive.
 Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm);
 /// Voxels of `spacing_mm` along the mask's axes of which `share` or more is inside: half keeps the size, less keeps
-/// thin limbs. \throws BadData for an empty mask, UsageError unless the spacing is positive.
+/// thin limbs. Of those the largest part, and voxels along the limbs of the mask's largest part that it misses
+/// (image/limb_growth.h), which leave its topology as it is. \throws BadData for an empty mask, UsageError unless the
+/// spacing is positive.
 Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share = 0.5);
 
 /// A third of the smallest edge of the bounding box (world's axes; the mask's own axes): the coarsest grid that makes

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "pellicle/mesh/point_tree.h"
 #include "test_surfaces.h"
 
 namespace pellicle {
@@ -137,6 +138,23 @@ TEST(ReverseSprings, MeasureASphereWithinASphere) {
   EXPECT_EQ(reverse_spring_rows(surface_samples(inner), area, nearest, {}, 0.5, 1.0).size(), 0U);  // out of reach
   const std::vector<Vec3> inward(data.triangles.size(), Vec3(0, 0, -1));
   EXPECT_LT(reverse_spring_rows(surface_samples(inner), area, nearest, inward, 5.0, 1.0).size(), inner.x.size());
+}
+
+// A ball of samples in points of a smaller one: all are beyond. Points that leave out a cap: the samples over the hole
+// look along the surface to its rim and are left in peace.
+TEST(OvershootRows, PullBackWhatIsBeyondThePointsAndSpareHoles) {
+  const Samples outer = test::sphere_samples(3, 6.0), inner = test::sphere_samples(3, 5.0);
+  const PointTree tree(inner.x);
+  const std::vector<double> area = sample_areas(outer.layout, outer.x);
+  const ScalarRows rows = overshoot_rows(surface_samples(outer), area, tree, 0.5, 1.0);
+  EXPECT_EQ(rows.size(), outer.x.size());
+  EXPECT_NEAR(energy_of(rows, outer.x), 1.0, 0.01);
+  EXPECT_LT(energy_of(rows, inner.x), 1e-3);
+  EXPECT_EQ(overshoot_rows(surface_samples(outer), area, tree, 1.5, 1.0).size(), 0U);
+
+  std::vector<Vec3> open = outer.x;
+  std::erase_if(open, [](const Vec3& x) { return x.z() > 5.0; });
+  EXPECT_EQ(overshoot_rows(surface_samples(outer), area, PointTree(open), 0.5, 1.0).size(), 0U);
 }
 
 TEST(TukeyWeights, AreOneAtHomeAndNothingFarOff) {

@@ -1,0 +1,133 @@
+#include "pellicle/image/limb_growth.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <queue>
+#include <utility>
+
+namespace pellicle {
+
+namespace {
+
+constexpr int kMiddle = 13;
+
+struct Offset {
+  int x, y, z;
+  int steps() const { return std::abs(x) + std::abs(y) + std::abs(z); }
+};
+
+Offset offset_of(int bit) {
+  return {bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1};
+}
+
+/// Parts of `cells` that hold one of `seeds`; cells join when they are `reach` steps apart or less and no axis differs
+/// by two.
+int parts_of(std::uint32_t cells, std::uint32_t seeds, int reach) {
+  int parts = 0;
+  for (std::uint32_t left = cells & seeds; left != 0; ++parts) {
+    std::uint32_t part = left & (~left + 1U), before = 0;
+    while (part != before) {
+      before = part;
+      for (int a = 0; a < 27; ++a) {
+        if ((before >> a & 1U) == 0) continue;
+        const Offset p = offset_of(a);
+        for (int b = 0; b < 27; ++b) {
+          if ((cells >> b & 1U) == 0) continue;
+          const Offset q = offset_of(b), d{q.x - p.x, q.y - p.y, q.z - p.z};
+          if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1 && d.steps() <= reach) part |= 1U << b;
+        }
+      }
+    }
+    left &= ~part;
+  }
+  return parts;
+}
+
+std::uint32_t cells_within(int steps) {
+  std::uint32_t cells = 0;
+  for (int bit = 0; bit < 27; ++bit) {
+    if (bit != kMiddle && offset_of(bit).steps() <= steps) cells |= 1U << bit;
+  }
+  return cells;
+}
+
+/// The seven voxels around that an octant touches.
+std::array<std::uint32_t, 8> neighbours_of_octants() {
+  std::array<std::uint32_t, 8> touching{};
+  for (int octant = 0; octant < 8; ++octant) {
+    for (int step = 1; step < 8; ++step) {
+      int bit = kMiddle;
+      for (int a = 0, stride = 1; a < 3; ++a, stride *= 3) {
+        if ((step >> a & 1) != 0) bit += (octant >> a & 1) != 0 ? stride : -stride;
+      }
+      touching[static_cast<std::size_t>(octant)] |= 1U << bit;
+    }
+  }
+  return touching;
+}
+
+}  // namespace
+
+bool is_simple(std::uint32_t inside) {
+  static const std::uint32_t faces = cells_within(1), edges = cells_within(2), all = cells_within(3);
+  return parts_of(inside & edges, faces, 1) == 1 && parts_of(~inside & all, all, 3) == 1;
+}
+
+void grow_along_limbs(Image<std::uint8_t>& mask, const Image<std::uint8_t>& octants) {
+  static const std::array<std::uint32_t, 8> touching = neighbours_of_octants();
+  static const std::uint32_t faces = cells_within(1);
+  const Index3& n = mask.grid.size;
+  const auto for_around = [&](const Index3& at, const auto& visit) {  // visit(bit, voxel)
+    for (int bit = 0; bit < 27; ++bit) {
+      const Offset d = offset_of(bit);
+      const Index3 next{at[0] + d.x, at[1] + d.y, at[2] + d.z};
+      bool within = true;
+      for (std::size_t a = 0; a < 3; ++a) within = within && next[a] >= 0 && next[a] < n[a];
+      if (within) visit(bit, next);
+    }
+  };
+  const auto held = [&](const Index3& v) { return octants.at(v[0], v[1], v[2]); };
+  const auto around = [&](const Index3& at) {
+    std::uint32_t inside = 0;
+    for_around(at, [&](int bit, const Index3& v) { inside |= mask.at(v[0], v[1], v[2]) != 0 ? 1U << bit : 0U; });
+    return inside;
+  };
+  const auto is_missed = [&](const Index3& v, std::uint32_t inside) {
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      if ((held(v) >> octant & 1U) != 0 && (inside & touching[octant]) == 0) return true;
+    }
+    return false;
+  };
+  const auto leads_on = [&](const Index3& at) {  // to a voxel that is missed and shares no face with the mask yet
+    bool leads = false;
+    for_around(at, [&](int, const Index3& v) {
+      if (leads || held(v) == 0) return;
+      const std::uint32_t inside = around(v);
+      leads = (inside & faces) == 0 && (inside >> kMiddle & 1U) == 0 && is_missed(v, inside);
+    });
+    return leads;
+  };
+  std::priority_queue<std::pair<int, Index3>> open;
+  const auto offer = [&](const Index3& at) {
+    if (mask.at(at[0], at[1], at[2]) == 0) open.emplace(std::popcount(held(at)), at);
+  };
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        if (around({i, j, k}) != 0) offer({i, j, k});
+      }
+    }
+  }
+  while (!open.empty()) {
+    const Index3 at = open.top().second;
+    open.pop();
+    const std::uint32_t inside = around(at);
+    if ((inside >> kMiddle & 1U) != 0 || !is_simple(inside) || !(is_missed(at, inside) || leads_on(at))) continue;
+    mask.at(at[0], at[1], at[2]) = 1;
+    for_around(at, [&](int, const Index3& v) { offer(v); });
+  }
+}
+
+}  // namespace pellicle
