@@ -156,10 +156,17 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
   }
   if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<PointTree>(data.rim);
   choose_points();
-  if (data.robust && data.rim.empty() && !data.surface) {
-    cloud_ = std::make_unique<PointTree>(chosen_);
-    reach_ = kBeyond * point_spacing(*cloud_);
+  if (data.robust && data.rim.empty() && !data.surface) take_cloud();
+}
+
+void LevelFit::take_cloud() {
+  std::vector<Vec3> points;
+  for (std::size_t k = 0; k < chosen_.size(); ++k) {
+    if (given_weight_[k] > 0.0) points.push_back(chosen_[k]);
   }
+  if (points.empty()) return;
+  cloud_ = std::make_unique<PointTree>(std::move(points));
+  reach_ = kBeyond * point_spacing(*cloud_);
 }
 
 // A fixed choice of the points when there are more than a step needs, and those that take no part.
@@ -281,7 +288,7 @@ void LevelFit::step() {
     rows.push_back({"reverse springs",
                     reverse_spring_rows(samples, area, *data_surface_, data_normals_, 0.2 * data_.diameter, share)});
   }
-  if (cloud_) {
+  if (cloud_ && grows()) {
     rows.push_back({"overshoot", overshoot_rows(samples, area, *cloud_, reach_, kOvershoot)});
   }
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;

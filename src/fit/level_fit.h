@@ -42,6 +42,7 @@ class LevelFit {
 
  private:
   void choose_points();
+  void take_cloud();
   /// A surface that was laid out has its limbs; one from voxels must grow into them, and far points pull it there.
   bool grows() const { return anchors_.empty() && !rim_; }
   std::vector<double> weights_of(const std::vector<Attachment>& at) const;
@@ -69,7 +70,7 @@ class LevelFit {
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
   std::unique_ptr<ClosestPoint> data_surface_;
-  std::unique_ptr<PointTree> cloud_;  ///< the chosen points, where they alone are the data
+  std::unique_ptr<PointTree> cloud_;  ///< chosen points with weight, where they alone are the data
   double reach_ = 0.0;                ///< mm; what is further from them is beyond them
   std::unique_ptr<PointTree> rim_;    ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
