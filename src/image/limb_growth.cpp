@@ -53,6 +53,31 @@ std::uint32_t cells_within(int steps) {
   return cells;
 }
 
+int bit_at(int x, int y, int z) {
+  return kMiddle + x + 3 * y + 9 * z;
+}
+
+/// Whether the faces around the middle, turned on, are a surface at each of its edges and corners: no two voxels that
+/// meet there alone, no two empty ones.
+bool meets_by_faces(std::uint32_t inside) {
+  const auto in = [&](int x, int y, int z) { return (inside >> bit_at(x, y, z) & 1U) != 0; };
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = 2 * (corner & 1) - 1, y = 2 * (corner >> 1 & 1) - 1, z = 2 * (corner >> 2 & 1) - 1;
+    const std::array<bool, 3> face{in(x, 0, 0), in(0, y, 0), in(0, 0, z)};
+    const std::array<bool, 3> edge{in(0, y, z), in(x, 0, z), in(x, y, 0)};  // across from that face
+    int count = in(x, y, z) ? 1 : 0;
+    bool opposite = false;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (edge[a] && !face[(a + 1) % 3] && !face[(a + 2) % 3]) return false;
+      count += (face[a] ? 1 : 0) + (edge[a] ? 1 : 0);
+      opposite = opposite || (!face[a] && !edge[a]);
+    }
+    if (in(x, y, z) && count == 1) return false;
+    if (count == 5 && opposite) return false;
+  }
+  return true;
+}
+
 /// The seven voxels around that an octant touches.
 std::array<std::uint32_t, 8> neighbours_of_octants() {
   std::array<std::uint32_t, 8> touching{};
@@ -124,7 +149,9 @@ void grow_along_limbs(Image<std::uint8_t>& mask, const Image<std::uint8_t>& octa
     const Index3 at = open.top().second;
     open.pop();
     const std::uint32_t inside = around(at);
-    if ((inside >> kMiddle & 1U) != 0 || !is_simple(inside) || !(is_missed(at, inside) || leads_on(at))) continue;
+    if ((inside >> kMiddle & 1U) != 0 || !is_simple(inside) || !meets_by_faces(inside) ||
+        !(is_missed(at, inside) || leads_on(at)))
+      continue;
     mask.at(at[0], at[1], at[2]) = 1;
     for_around(at, [&](int, const Index3& v) { offer(v); });
   }

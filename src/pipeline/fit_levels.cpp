@@ -20,7 +20,7 @@ namespace pellicle {
 
 namespace {
 
-constexpr int kMostByItself = 1600;  ///< control points that a fit takes without being told to
+constexpr int kMostByItself = 2000;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
 constexpr int kCheap = 200;  ///< control points: coarser levels take no part in ending the search
 constexpr int kBodySamples = 10000, kBodySteps = 12;
@@ -179,8 +179,8 @@ class Levels {
   }
 
   // Voxels of the genus of the data that reach all of them, or of one grid those that miss least; the coarsest first,
-  // each grid finer by a root of two: twice the control points. Thin limbs fill the less of a voxel; what must fill
-  // more keeps near sheets apart.
+  // each grid finer by a root of two: twice the control points. Thin limbs are followed; what must fill more of
+  // a voxel keeps near sheets apart.
   std::optional<VoxelSeed> next_seed() {
     constexpr double kNone = 0.01;
     const Image<std::uint8_t>& body = result_.input.body;
@@ -193,13 +193,13 @@ class Levels {
       for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
         const Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share);
         if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
-        VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share);
+        VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share, Limbs::followed);
         if (seed.genus != result_.input.genus) continue;
         const double missed = missed_by(seed);
         if (missed >= least) continue;
         least = missed;
         best = std::move(seed);
-        if (least <= kNone) break;
+        if (least <= kNone) return best;
       }
       if (best) return best;
     }

@@ -137,12 +137,8 @@ Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spa
   return morphed(wide, false, [](int inside, int all) { return inside == all; });
 }
 
-namespace {
-
-/// \param largest the mask's largest part: limbs of that alone are followed, not specks.
-Image<std::uint8_t> coarse_voxels(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& largest,
-                                  double spacing_mm, double share) {
-  constexpr double kHeld = 0.2;  ///< of an octant
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share, Limbs limbs) {
+  constexpr double kHeld = 0.2;  // of an octant
   check_spacing(spacing_mm);
   const Box box = box_of(mask);
   const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels
@@ -157,15 +153,14 @@ Image<std::uint8_t> coarse_voxels(const Image<std::uint8_t>& mask, const Image<s
   }
   grid.direction = mask.grid.direction;
   grid.origin_in_world = mask.grid.world_from_index(first);
-  Image<std::uint8_t> voxels(grid);
-  Image<std::uint8_t> octants(grid);
-  const auto inside_at = [&](const Vec3& index) {  // 0, 1 for the mask, 2 for its largest part
+  Image<std::uint8_t> voxels(grid), octants(grid);
+  const auto inside_at = [&](const Vec3& index) {
     const Vec3 nearest = (index.array() + 0.5).floor();
     const Index3 v{static_cast<int>(nearest.x()), static_cast<int>(nearest.y()), static_cast<int>(nearest.z())};
     for (std::size_t a = 0; a < 3; ++a) {
-      if (v[a] < 0 || v[a] >= mask.grid.size[a]) return 0;
+      if (v[a] < 0 || v[a] >= mask.grid.size[a]) return false;
     }
-    return mask.at(v[0], v[1], v[2]) == 0 ? 0 : largest.at(v[0], v[1], v[2]) != 0 ? 2 : 1;
+    return mask.at(v[0], v[1], v[2]) != 0;
   };
   const int all = parts[0] * parts[1] * parts[2];
   for (int k = 0; k < grid.size[2]; ++k) {
@@ -177,10 +172,9 @@ Image<std::uint8_t> coarse_voxels(const Image<std::uint8_t>& mask, const Image<s
           const Index3 at{p % parts[0], p / parts[0] % parts[1], p / (parts[0] * parts[1])};
           const Vec3 offset =
               (Vec3(at[0], at[1], at[2]).array() + 0.5) / Vec3(parts[0], parts[1], parts[2]).array() - 0.5;
-          const int here = inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset));
-          if (here > 0) ++inside;
-          if (here > 1)
-            ++in_octant[(offset.x() > 0 ? 1U : 0U) + (offset.y() > 0 ? 2U : 0U) + (offset.z() > 0 ? 4U : 0U)];
+          if (!inside_at(first + step.cwiseProduct(Vec3(i, j, k) + offset))) continue;
+          ++inside;
+          ++in_octant[(offset.x() > 0 ? 1U : 0U) + (offset.y() > 0 ? 2U : 0U) + (offset.z() > 0 ? 4U : 0U)];
         }
         for (unsigned o = 0; o < 8; ++o) {
           if (in_octant[o] >= kHeld * all / 8) octants.at(i, j, k) |= static_cast<std::uint8_t>(1U << o);
@@ -189,32 +183,23 @@ Image<std::uint8_t> coarse_voxels(const Image<std::uint8_t>& mask, const Image<s
       }
     }
   }
-  keep_largest(voxels);
-  grow_along_limbs(voxels, octants);
+  if (limbs == Limbs::followed) {
+    keep_largest(voxels);
+    grow_along_limbs(voxels, octants);
+  }
   return voxels;
 }
 
-Image<std::uint8_t> largest_part_of(Image<std::uint8_t> mask) {
-  keep_largest(mask);
-  return mask;
-}
-
-}  // namespace
-
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share) {
-  return coarse_voxels(mask, largest_part_of(mask), spacing_mm, share);
-}
-
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share) {
-  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm, share), *spacing_mm);
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share,
+                             Limbs limbs) {
+  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm, share, limbs), *spacing_mm);
   const double coarsest = coarsest_spacing(mask);
   constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
-  const Image<std::uint8_t> largest = largest_part_of(mask);
   std::vector<VoxelSeed> seeds;
   for (int step = 0; step < kMost; ++step) {
     const double spacing = coarsest * std::pow(0.5, 0.5 * step);
     if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
-    Image<std::uint8_t> voxels = coarse_voxels(mask, largest, spacing, share);
+    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share, limbs);
     const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
     if (!empty) seeds.push_back(finished(std::move(voxels), spacing));
   }

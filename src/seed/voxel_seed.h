@@ -21,11 +21,13 @@ VoxelBlock classify_block(unsigned pattern);
 /// enclose: marked, dilated (26 neighbours), eroded (6), holes filled, the largest part kept. About one voxel larger
 /// than the object. \throws BadData without points, UsageError unless the spacing is positive.
 Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm);
+/// Whether thin limbs of a mask end where its voxels do, or are followed by single voxels (image/limb_growth.h).
+enum class Limbs { as_voxels_show, followed };
 /// Voxels of `spacing_mm` along the mask's axes of which `share` or more is inside: half keeps the size, less keeps
-/// thin limbs. Of those the largest part, and voxels along the limbs of the mask's largest part that it misses
-/// (image/limb_growth.h), which leave its topology as it is. \throws BadData for an empty mask, UsageError unless the
-/// spacing is positive.
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share = 0.5);
+/// thin limbs. With limbs followed the largest part alone is kept, of its topology; the mask should be one part.
+/// \throws BadData for an empty mask, UsageError unless the spacing is positive.
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share = 0.5,
+                                   Limbs limbs = Limbs::as_voxels_show);
 
 /// A third of the smallest edge of the bounding box (world's axes; the mask's own axes): the coarsest grid that makes
 /// sense. \throws BadData when empty.
@@ -50,8 +52,8 @@ struct VoxelSeed {
 /// All of it for a mask. Without a spacing, grids from the coarsest on, each finer by sqrt(2), down to the mask's
 /// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken:
 /// handles of the object stay over many grids, those of noise only show in the finest. \throws as above.
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {},
-                             double share = 0.5);
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {}, double share = 0.5,
+                             Limbs limbs = Limbs::as_voxels_show);
 /// For points of a surface, at the coarsest spacing unless one is given (handles need a finer one).
 VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm = {});
 

@@ -108,11 +108,12 @@ TEST(VoxelsOfMask, KeepALimbThinnerThanHalfAVoxel) {
       }
     }
   }
-  const VoxelSeed seed = voxel_seed_of_mask(mask, 6.0);
+  const VoxelSeed seed = voxel_seed_of_mask(mask, 6.0, 0.5, Limbs::followed);
   EXPECT_EQ(seed.genus, 0);
   double reach = 0.0;
   for (const Vec3& x : seed.mesh.vertices) reach = std::max(reach, x.x());
   EXPECT_GT(reach, 47.0);
+  for (const Vec3& x : voxel_seed_of_mask(mask, 6.0).mesh.vertices) EXPECT_LT(x.x(), 30.0);
 }
 
 }  // namespace
