@@ -22,23 +22,30 @@ Offset offset_of(int bit) {
   return {bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1};
 }
 
-/// Parts of `cells` that hold one of `seeds`; cells join when they are `reach` steps apart or less and no axis differs
-/// by two.
-int parts_of(std::uint32_t cells, std::uint32_t seeds, int reach) {
+using Neighbours = std::array<std::uint32_t, 27>;  ///< of each cell of the block
+
+/// Cells that share a corner and are `reach` steps apart or less: 1 by faces, 3 by corners.
+Neighbours neighbours_within(int reach) {
+  Neighbours out{};
+  for (int a = 0; a < 27; ++a) {
+    for (int b = 0; b < 27; ++b) {
+      const Offset p = offset_of(a), q = offset_of(b), d{q.x - p.x, q.y - p.y, q.z - p.z};
+      const bool touch = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1;
+      if (touch && d.steps() <= reach) out[static_cast<std::size_t>(a)] |= 1U << b;
+    }
+  }
+  return out;
+}
+
+/// Parts of `cells` that hold one of `seeds`.
+int parts_of(std::uint32_t cells, std::uint32_t seeds, const Neighbours& neighbours) {
   int parts = 0;
   for (std::uint32_t left = cells & seeds; left != 0; ++parts) {
-    std::uint32_t part = left & (~left + 1U), before = 0;
-    while (part != before) {
-      before = part;
-      for (int a = 0; a < 27; ++a) {
-        if ((before >> a & 1U) == 0) continue;
-        const Offset p = offset_of(a);
-        for (int b = 0; b < 27; ++b) {
-          if ((cells >> b & 1U) == 0) continue;
-          const Offset q = offset_of(b), d{q.x - p.x, q.y - p.y, q.z - p.z};
-          if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= 1 && d.steps() <= reach) part |= 1U << b;
-        }
-      }
+    std::uint32_t part = 0;
+    for (std::uint32_t open = left & (~left + 1U); open != 0; open &= ~part) {
+      const int cell = std::countr_zero(open);
+      part |= 1U << cell;
+      open |= neighbours[static_cast<std::size_t>(cell)] & cells;
     }
     left &= ~part;
   }
@@ -97,7 +104,8 @@ std::array<std::uint32_t, 8> neighbours_of_octants() {
 
 bool is_simple(std::uint32_t inside) {
   static const std::uint32_t faces = cells_within(1), edges = cells_within(2), all = cells_within(3);
-  return parts_of(inside & edges, faces, 1) == 1 && parts_of(~inside & all, all, 3) == 1;
+  static const Neighbours by_faces = neighbours_within(1), by_corners = neighbours_within(3);
+  return parts_of(inside & edges, faces, by_faces) == 1 && parts_of(~inside & all, all, by_corners) == 1;
 }
 
 void grow_along_limbs(Image<std::uint8_t>& mask, const Image<std::uint8_t>& octants) {

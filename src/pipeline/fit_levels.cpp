@@ -191,9 +191,9 @@ class Levels {
       std::optional<VoxelSeed> best;
       double least = 1.0;
       for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
-        const Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share);
+        Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share, Limbs::followed);
         if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
-        VoxelSeed seed = voxel_seed_of_mask(body, spacing_, share, Limbs::followed);
+        VoxelSeed seed = voxel_seed_of_voxels(std::move(voxels));
         if (seed.genus != result_.input.genus) continue;
         const double missed = missed_by(seed);
         if (missed >= least) continue;

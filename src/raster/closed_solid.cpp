@@ -175,8 +175,10 @@ Image<std::uint8_t> limbs_beyond(const TriangleMesh& surface, const PointTree& p
 }
 
 void add_limbs(Candidate& c, const PointTree& points) {
+  const Image<std::uint8_t> limbs = limbs_beyond(c.surface, points, c.mask.grid);
+  if (std::all_of(limbs.voxels.begin(), limbs.voxels.end(), [](std::uint8_t v) { return v == 0; })) return;
   Candidate with = c;
-  grow_along_limbs(with.mask, limbs_beyond(c.surface, points, c.mask.grid));
+  grow_along_limbs(with.mask, limbs);
   with.surface = surface_of_mask(with.mask);
   if (genus_of(with.surface) == c.genus) c = std::move(with);
 }

@@ -100,15 +100,6 @@ void keep_largest(Image<std::uint8_t>& voxels) {
                  [&](std::int32_t id) { return static_cast<std::uint8_t>(id == found.parts.front().id ? 1 : 0); });
 }
 
-VoxelSeed finished(Image<std::uint8_t> voxels, double spacing_mm) {
-  VoxelSeed seed;
-  seed.spacing_mm = spacing_mm;
-  seed.filled = make_manifold(voxels);
-  seed.mesh = boundary_of_voxels(voxels);
-  seed.genus = quad_topology(static_cast<int>(seed.mesh.vertices.size()), seed.mesh.quads).genus;
-  return seed;
-}
-
 }  // namespace
 
 double coarsest_spacing(const std::vector<Vec3>& points) {
@@ -190,18 +181,26 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
   return voxels;
 }
 
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share,
-                             Limbs limbs) {
-  if (spacing_mm) return finished(voxels_of_mask(mask, *spacing_mm, share, limbs), *spacing_mm);
+VoxelSeed voxel_seed_of_voxels(Image<std::uint8_t> voxels) {
+  VoxelSeed seed;
+  seed.spacing_mm = voxels.grid.mean_spacing();
+  seed.filled = make_manifold(voxels);
+  seed.mesh = boundary_of_voxels(voxels);
+  seed.genus = quad_topology(static_cast<int>(seed.mesh.vertices.size()), seed.mesh.quads).genus;
+  return seed;
+}
+
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share) {
+  if (spacing_mm) return voxel_seed_of_voxels(voxels_of_mask(mask, *spacing_mm, share));
   const double coarsest = coarsest_spacing(mask);
   constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
   std::vector<VoxelSeed> seeds;
   for (int step = 0; step < kMost; ++step) {
     const double spacing = coarsest * std::pow(0.5, 0.5 * step);
     if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
-    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share, limbs);
+    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share);
     const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
-    if (!empty) seeds.push_back(finished(std::move(voxels), spacing));
+    if (!empty) seeds.push_back(voxel_seed_of_voxels(std::move(voxels)));
   }
   if (seeds.empty()) {
     throw BadData("voxel seed (mask): it is thinner than its voxels everywhere; give a finer spacing");
@@ -221,7 +220,7 @@ VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<doub
 
 VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm) {
   const double spacing = spacing_mm.value_or(coarsest_spacing(points));
-  return finished(voxels_of_points(points, spacing), spacing);
+  return voxel_seed_of_voxels(voxels_of_points(points, spacing));
 }
 
 }  // namespace pellicle

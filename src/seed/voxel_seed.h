@@ -52,8 +52,10 @@ struct VoxelSeed {
 /// All of it for a mask. Without a spacing, grids from the coarsest on, each finer by sqrt(2), down to the mask's
 /// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken:
 /// handles of the object stay over many grids, those of noise only show in the finest. \throws as above.
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {}, double share = 0.5,
-                             Limbs limbs = Limbs::as_voxels_show);
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {},
+                             double share = 0.5);
+/// Of voxels that are not empty, as voxels_of_mask gives them. \throws BadData when they are.
+VoxelSeed voxel_seed_of_voxels(Image<std::uint8_t> voxels);
 /// For points of a surface, at the coarsest spacing unless one is given (handles need a finer one).
 VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm = {});
 

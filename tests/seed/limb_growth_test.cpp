@@ -27,13 +27,13 @@ TEST(SimplePoint, TellsTheCasesOfTheTextbook) {
   EXPECT_TRUE(is_simple(cells({12})));                         // grows from a face
   EXPECT_FALSE(is_simple(cells({12, 14})));                    // joins two parts
   EXPECT_TRUE(is_simple(cells({12, 9, 10})));                  // beside a corner
-  EXPECT_FALSE(is_simple(cells({12, 10})));                    // closes a ring of four around an empty edge
+  EXPECT_FALSE(is_simple(cells({12, 10})));                    // joins two that only share an edge
   EXPECT_FALSE(is_simple((1U << 27) - 1U));                    // opens a cavity
   EXPECT_TRUE(is_simple(cells({0, 1, 2, 3, 4, 5, 6, 7, 8})));  // on a plane
   EXPECT_FALSE(is_simple(cells({0})));                         // a corner alone does not join by faces
 }
 
-// Against counts of the whole little image: an isolated block of 3 x 3 x 3 voxels has the same parts, cavities and
+// Against counts of the whole little image: an isolated block of 3 x 3 x 3 voxels has the same parts and
 // Euler number with and without its middle where that is simple.
 TEST(SimplePoint, KeepsPartsAndEulerNumberOfRandomBlocks) {
   RandomEngine random(11);
@@ -108,7 +108,7 @@ TEST(VoxelsOfMask, KeepALimbThinnerThanHalfAVoxel) {
       }
     }
   }
-  const VoxelSeed seed = voxel_seed_of_mask(mask, 6.0, 0.5, Limbs::followed);
+  const VoxelSeed seed = voxel_seed_of_voxels(voxels_of_mask(mask, 6.0, 0.5, Limbs::followed));
   EXPECT_EQ(seed.genus, 0);
   double reach = 0.0;
   for (const Vec3& x : seed.mesh.vertices) reach = std::max(reach, x.x());
