@@ -30,6 +30,10 @@ constexpr double kStiffening = 3.0, kMostStiffening = 1000.0;  ///< of a patch t
 constexpr double kAnchor = 0.0002;                             ///< of sliding_rows, against springs of weight 1
 constexpr double kRim = 0.1;  ///< of the rim's springs; they act along the surface, where little holds against
 constexpr int kHoldBacks = 6;
+// bound_residuals: what is aimed at and what is given up at once, shares of the largest residual that was asked for; a
+// point's weight at most; steps, and steps that gain nothing before the end.
+constexpr double kBoundShare = 0.85, kHopeless = 3.4, kMostEmphasis = 1e4;
+constexpr int kBoundSteps = 15, kPoorBoundSteps = 5;
 // Springs back to the data and what counts as beyond them, in typical distances of neighbouring points.
 constexpr double kOvershoot = 1.0, kBeyond = 2.5;
 
@@ -197,6 +201,7 @@ std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) cons
         grows() ? huber_weights(distances_of(at), kHuber, floor) : tukey_weights(distances_of(at), kTukey, floor);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
+  for (std::size_t k = 0; k < emphasis_.size(); ++k) weights[k] *= emphasis_[k];
   // The other side of a sheet is no match.
   for (std::size_t k = 0; k < chosen_normal_.size(); ++k) {
     if (chosen_normal_[k].dot(at[k].normal) < 0.0) weights[k] = 0.0;
@@ -368,6 +373,64 @@ void LevelFit::springs() {
     }
   }
   if (best >= 0.0) surface_.parameters = std::move(best_parameters);
+}
+
+// Multipliers of the constraints d <= bound: what stays beyond it gains weight with each step, until the other points
+// give way. All data are looked at, and what lies beyond is chosen as well; the bound is a little below what was asked
+// for, because that is measured on other facets.
+void LevelFit::bound_residuals() {
+  if (!settings_.largest_residual || data_.robust) return;
+  const double bound = kBoundShare * *settings_.largest_residual;
+  std::vector<Vec3> all = data_.points;
+  if (data_.surface) all.insert(all.end(), data_.surface->vertices.begin(), data_.surface->vertices.end());
+  std::vector<int> place(all.size(), -1);  // among the chosen
+  const auto look = [&] {
+    SurfaceSamples samples;
+    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+    return distances_of(attach(all, layout_, samples));
+  };
+  const auto largest = [](const std::vector<double>& of) { return *std::max_element(of.begin(), of.end()); };
+  std::vector<double> distance = look();
+  double least = largest(distance);
+  if (least > kHopeless * *settings_.largest_residual) return;
+  Parameters best = surface_.parameters;
+  const std::size_t chosen_before = chosen_.size();
+  emphasis_.assign(chosen_before, 1.0);
+  for (int k = 0, poor = 0; k < kBoundSteps && poor < kPoorBoundSteps && least > bound; ++k) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (distance[i] > bound && place[i] < 0) {
+        place[i] = static_cast<int>(chosen_.size());
+        choose(all[i]);
+      }
+      if (place[i] < 0) continue;
+      double& emphasis = emphasis_[static_cast<std::size_t>(place[i])];
+      const double beyond = std::max(1.0, distance[i] / bound);
+      emphasis = std::min(kMostEmphasis, emphasis * beyond * beyond);
+    }
+    step();
+    distance = look();
+    const double here = largest(distance);
+    ++poor;
+    if (here >= least) continue;
+    poor = 0;
+    least = here;
+    best = surface_.parameters;
+  }
+  surface_.parameters = std::move(best);
+  emphasis_.clear();
+  chosen_.resize(chosen_before);
+  given_weight_.resize(chosen_before);
+  if (!chosen_normal_.empty()) chosen_normal_.resize(chosen_before);
+}
+
+// One more point, of those that a surface bounds.
+void LevelFit::choose(const Vec3& x) {
+  chosen_.push_back(x);
+  given_weight_.push_back(1.0);
+  emphasis_.push_back(1.0);
+  if (chosen_normal_.empty()) return;
+  const int triangle = data_surface_ ? data_surface_->query(x).triangle : -1;
+  chosen_normal_.push_back(triangle < 0 ? Vec3::Zero() : data_normals_[static_cast<std::size_t>(triangle)]);
 }
 
 LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {

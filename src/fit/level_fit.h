@@ -38,10 +38,13 @@ class LevelFit {
   /// Springs, attached anew in each step until the residual stops falling. Where a step would make the surface cut
   /// itself it is held back, and patches that fold again and again become stiffer until they do so no longer.
   void springs();
+  /// Steps in which points beyond settings.largest_residual count more and more; keeps the least largest residual.
+  void bound_residuals();
   PointFit result(double seconds) const;
 
  private:
   void choose_points();
+  void choose(const Vec3& x);
   void take_cloud();
   /// A surface that was laid out has its limbs; one from voxels must grow into them, and far points pull it there.
   bool grows() const { return anchors_.empty() && !rim_; }
@@ -75,6 +78,7 @@ class LevelFit {
   std::unique_ptr<PointTree> rim_;    ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
+  std::vector<double> emphasis_;  ///< one a chosen point, >= 1 (bound_residuals); empty: 1 each
   double total_weight_ = 0.0, trust_ = 1e4;
   double deviation_ = 1e-4;         ///< least robust deviation, of the diameter
   std::vector<double> stiffening_;  ///< one a patch, >= 1, times the bending there

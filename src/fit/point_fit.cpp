@@ -103,6 +103,7 @@ PointFit fit_to_map(const SurfaceModel& model, const GeometryData& data, const C
   LevelFit fit({model, affine_image(model, Vec3::Zero(), Mat3::Identity())}, data, settings, hold_out);
   fit.to_targets(targets_at(fit.layout(), correspondence.map, correspondence.map_from_reference));
   fit.springs();
+  fit.bound_residuals();
   return fit.result(seconds_since(begin));
 }
 
@@ -110,6 +111,7 @@ PointFit fit_from(const Surface& start, const GeometryData& data, const PointFit
   const auto begin = std::chrono::steady_clock::now();
   LevelFit fit(start, data, settings, hold_out);
   fit.springs();
+  fit.bound_residuals();
   return fit.result(seconds_since(begin));
 }
 

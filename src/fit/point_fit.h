@@ -37,6 +37,9 @@ struct PointFitSettings {
   int max_steps = 25;          ///< springs attached anew so often at most, a level
   double smoothness = 1.0;     ///< factor of the bending energy
   double improvement = 0.005;  ///< a level ends when a step gains less, as a share of the residual
+  /// mm: points further off count more and more until none is, as far as the model can; of data without outliers
+  /// (GeometryData::robust). Not set: least squares.
+  std::optional<double> largest_residual = {};
 };
 
 /// Residuals in mm; of the data to the surface (`to_surface`), of the surface to the data.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
@@ -23,6 +24,7 @@ namespace {
 constexpr int kMostByItself = 2000;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
 constexpr int kCheap = 200;  ///< control points: coarser levels take no part in ending the search
+constexpr double kNextGrid = std::numbers::sqrt2;
 constexpr int kBodySamples = 10000, kBodySteps = 12;
 constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
 constexpr double kWorthwhile = 0.97;      ///< a finer level must bring the left-out points down to this share
@@ -92,6 +94,7 @@ class Levels {
     if (settings_.tolerance_mm) tolerance_ = *settings_.tolerance_mm;
     if (settings_.tolerance_percent) tolerance_ = 0.01 * *settings_.tolerance_percent * data_.diameter;
     fit_settings_.smoothness = settings_.smoothness;
+    if (settings_.tolerance_of == ToleranceOf::max) fit_settings_.largest_residual = tolerance_;
   }
 
   void run() {
@@ -178,30 +181,34 @@ class Levels {
     return static_cast<double>(missed) / kLooks;
   }
 
-  // Voxels of the genus of the data that reach all of them, or of one grid those that miss least; the coarsest first,
-  // each grid finer by a root of two: twice the control points. Thin limbs are followed; what must fill more of
-  // a voxel keeps near sheets apart.
-  std::optional<VoxelSeed> next_seed() {
+  // Voxels of the genus of the data that reach all of them, or those that miss least. Thin limbs are followed; what
+  // must fill more of a voxel keeps near sheets apart.
+  std::optional<VoxelSeed> seed_of(double spacing) {
     constexpr double kNone = 0.01;
+    std::optional<VoxelSeed> best;
+    double least = 1.0;
+    for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
+      Image<std::uint8_t> voxels = voxels_of_mask(result_.input.body, spacing, share, Limbs::followed);
+      if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
+      VoxelSeed seed = voxel_seed_of_voxels(std::move(voxels));
+      if (seed.genus != result_.input.genus) continue;
+      const double missed = missed_by(seed);
+      if (missed >= least) continue;
+      least = missed;
+      best = std::move(seed);
+      if (least <= kNone) break;
+    }
+    return best;
+  }
+
+  // The coarsest grid first, each finer by a root of two: twice the control points.
+  std::optional<VoxelSeed> next_seed() {
     const Image<std::uint8_t>& body = result_.input.body;
-    if (!(spacing_ > 0.0)) spacing_ = std::sqrt(2.0) * coarsest_spacing(body);
+    if (!(spacing_ > 0.0)) spacing_ = kNextGrid * coarsest_spacing(body);
     for (;;) {
-      spacing_ /= std::sqrt(2.0);
+      spacing_ /= kNextGrid;
       if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
-      std::optional<VoxelSeed> best;
-      double least = 1.0;
-      for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
-        Image<std::uint8_t> voxels = voxels_of_mask(body, spacing_, share, Limbs::followed);
-        if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
-        VoxelSeed seed = voxel_seed_of_voxels(std::move(voxels));
-        if (seed.genus != result_.input.genus) continue;
-        const double missed = missed_by(seed);
-        if (missed >= least) continue;
-        least = missed;
-        best = std::move(seed);
-        if (least <= kNone) return best;
-      }
-      if (best) return best;
+      if (std::optional<VoxelSeed> seed = seed_of(spacing_)) return seed;
     }
   }
 
@@ -213,6 +220,7 @@ class Levels {
       PointFitSettings stiff = fit_settings_;
       stiff.smoothness *= kBodySmoothness;
       stiff.max_steps = kBodySteps;
+      stiff.largest_residual.reset();
       return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
     }
     const PointTree tree(data_.points);
@@ -309,22 +317,49 @@ class Levels {
     return control_point_count(surface.model);
   }
 
+  bool meets(const FittedSurface& fitted) const {
+    return fitted.fit.summary.self_intersections == 0 &&
+           residual_for(fitted.fit, settings_.tolerance_of) <= *tolerance_;
+  }
+
+  // Whether what was tried last is the one to keep: fewer points where both meet the tolerance, else the nearer one.
+  bool last_is_better_than(std::size_t best) const {
+    const FittedSurface &a = result_.tried.back(), &b = result_.tried[best];
+    if (meets(a) != meets(b)) return meets(a);
+    if (meets(a)) return a.fit.summary.control_points < b.fit.summary.control_points;
+    const bool a_cuts = a.fit.summary.self_intersections > 0, b_cuts = b.fit.summary.self_intersections > 0;
+    if (a_cuts != b_cuts) return b_cuts;
+    return residual_for(a.fit, settings_.tolerance_of) < residual_for(b.fit, settings_.tolerance_of);
+  }
+
   void until_tolerance() {
     const int most = most_for_tolerance();
-    std::size_t best = 0;
+    const auto attempt = [&](const Size& size) {
+      keep(one(size, false));
+      if (last_is_better_than(result_.chosen)) result_.chosen = result_.tried.size() - 1;
+      return meets(result_.tried.back());
+    };
     std::optional<Size> size = start();
-    while (size) {
-      keep(one(*size, false));
-      const PointFit& here = result_.tried.back().fit;
-      const double residual = residual_for(here, settings_.tolerance_of);
-      const bool cut = here.summary.self_intersections > 0,
-                 best_cut = result_.tried[best].fit.summary.self_intersections > 0;
-      const bool closer = residual < residual_for(result_.tried[best].fit, settings_.tolerance_of);
-      if (cut == best_cut ? closer : best_cut) best = result_.tried.size() - 1;
-      if (residual <= *tolerance_ && !cut) break;
-      size = finer(here, 1, most);
+    for (double coarser = spacing_; size; coarser = spacing_, size = finer(result_.tried.back().fit, 1, most)) {
+      if (!attempt(*size)) continue;
+      if (!from_map_ && result_.tried.size() > 1) between_grids(coarser, attempt);
+      return;
     }
-    result_.chosen = best;
+  }
+
+  // A grid that meets the tolerance may be finer than need be: some between it and the last that was too coarse.
+  template <class F>
+  void between_grids(double poor, const F& attempt) {
+    constexpr double kAlike = 1.1;
+    constexpr int kTries = 3;
+    double good = spacing_;
+    for (int k = 0; k < kTries && poor > kAlike * good; ++k) {
+      const double spacing = std::sqrt(good * poor);
+      const std::optional<VoxelSeed> seed = seed_of(spacing);
+      const int points = seed ? static_cast<int>(seed->mesh.vertices.size()) : 0;
+      const bool fewer = seed && points < result_.tried[result_.chosen].fit.summary.control_points;
+      (fewer && attempt({{}, surface_on(*seed)}) ? good : poor) = spacing;
+    }
   }
 
   void by_left_out_points() {
@@ -332,6 +367,7 @@ class Levels {
     std::optional<Size> size = start();
     std::optional<PointFit> best;
     Size chosen;
+    bool refine_best = false;  // as the next size: the best so far came after the last that was refined
     for (int poor = 0; poor < 2 && size;) {
       const PointFit fit = one(*size, true);
       const bool better = !best || fit.summary.held_out_rms < kWorthwhile * best->summary.held_out_rms;
@@ -340,8 +376,18 @@ class Levels {
       if (better) {
         best = fit;
         chosen = from_map_ ? *size : Size{{}, fit.surface};
+        refine_best = !from_map_;
       }
       if (best->summary.held_out_rms < 1e-6 * data_.diameter) break;
+      // A finer seed that does no better may begin with its limbs in a tangle; the best surface, refined, does not.
+      if (!better && !cheap && refine_best) {
+        refine_best = false;
+        Surface finer = refine(best->surface);
+        if (control_point_count(finer.model) <= most) {
+          size = Size{{}, std::move(finer)};
+          continue;
+        }
+      }
       size = finer(fit, 2, most);
     }
     // With all points; a surface that starts from voxels goes on from where it was and is only left for a nearer one.

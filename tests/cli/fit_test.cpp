@@ -89,6 +89,29 @@ TEST(Fit, TheToleranceTakesTheFewestControlPoints) {
   EXPECT_TRUE(report["object"]["data_to_surface"]["rms_percent"].get<double>() <= 1.0);
 }
 
+TEST(Fit, OfGridsThatMeetTheToleranceTheCoarsestIsKept) {
+  const Scratch scratch;
+  std::ofstream(scratch / "egg.xyz") << ellipsoid_points(500);
+  ASSERT_EQ(
+      run({"fit", "-i", scratch("egg.xyz"), "-o", scratch("egg"), "--model", "spline", "--write", "mesh"}, scratch)
+          .exit_code,
+      0);
+  const Outcome outcome = run({"fit", "-i", scratch("egg/egg_surface.ply"), "-o", scratch("out"), "--model",
+                               "catmull-clark", "--tolerance-percent", "0.05"},
+                              scratch);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json report = report_in(scratch, "egg_surface");
+  const json& kept = report["object"];
+  EXPECT_TRUE(kept["data_to_surface"]["rms_percent"].get<double>() <= 0.05);
+  int missed = 0;
+  for (const json& level : report["levels"]) {
+    const bool meets = level["data_to_surface"]["rms_percent"].get<double>() <= 0.05;
+    missed += meets ? 0 : 1;
+    EXPECT_TRUE(!meets || level["model"]["control_points"] >= kept["model"]["control_points"]) << level["name"];
+  }
+  EXPECT_TRUE(missed > 0);  // else nothing was chosen between
+}
+
 TEST(Fit, AMissedToleranceIsExitCodeThreeAndFilesAreThere) {
   const Scratch scratch;
   std::ofstream(scratch / "egg.xyz") << ellipsoid_points(500);

@@ -168,6 +168,33 @@ TEST(FitFrom, PullsASurfaceThatIsNear) {
   EXPECT_TRUE(fit.summary.to_surface.rms <= 0.003 * 40.0) << fit.summary.to_surface.rms;
 }
 
+TEST(FitFrom, TheLargestResidualIsTradedForTheRest) {
+  // A ball with a thorn that few control points cannot follow.
+  const TriangleMesh mesh = test::moved(test::sphere(4, 1.0), [](const Vec3& n) -> Vec3 {
+    return (10.0 + 4.0 * std::exp(-20.0 * (1.0 - n.dot(Vec3(1, 2, 3).normalized())))) * n;
+  });
+  const GeometryData data = data_of(mesh, 2000);
+  const SurfaceModel model = model_of(ModelKind::catmull_clark, 0);
+  const Surface start{model, affine_image(model, Vec3::Zero(), 12.0 * Mat3::Identity())};
+  PointFitSettings settings = few_steps(data);
+  PointFit least_squares = fit_from(start, data, settings, false);
+  measure_fit(data, least_squares);
+  const Residual before = least_squares.summary.to_surface;
+  settings.largest_residual = 0.6 * before.max;
+  PointFit bounded = fit_from(start, data, settings, false);
+  measure_fit(data, bounded);
+  const Residual after = bounded.summary.to_surface;
+  EXPECT_TRUE(after.max < 0.8 * before.max) << after.max << " of " << before.max;
+  EXPECT_TRUE(after.rms > before.rms && after.rms < 2.0 * before.rms) << after.rms << " of " << before.rms;
+  // Data with outliers are left alone.
+  GeometryData cloud = data;
+  cloud.robust = true;
+  settings.largest_residual.reset();
+  const PointFit robust = fit_from(start, cloud, settings, false);
+  settings.largest_residual = 0.6 * before.max;
+  EXPECT_EQ(fit_from(start, cloud, settings, false).surface.parameters, robust.surface.parameters);
+}
+
 TEST(FitFrom, AnOpenSurfaceEndsAtTheRim) {
   // Half of a blob, cut by the plane z = 0; points are 0.6 mm apart.
   std::vector<Vec3> points;
