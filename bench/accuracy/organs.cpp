@@ -9,6 +9,7 @@
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/image/volume_file.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/presets.h"
 #include "pellicle/pipeline/settings_toml.h"
 #include "sections.h"
@@ -67,7 +68,9 @@ struct Start {
 
   void add(const Image<float>& image, const Image<std::uint8_t>& truth, const Vec3& place) {
     const FitResult fit = fit_surface(image, {SeedSphere{place, kClick}}, FitSettings{});
-    (fit.summary.status == FitStatus::ok ? ok : not_ok).push_back(overlap_with(truth, fit.surface).dice);
+    // As the program says it: a surface that cuts itself is not ok.
+    const bool sound = self_intersection_count(measuring_mesh(fit.surface, image.grid.mean_spacing())) == 0;
+    (fit.summary.status == FitStatus::ok && sound ? ok : not_ok).push_back(overlap_with(truth, fit.surface).dice);
     otsu.push_back(overlap_of(truth, otsu_baseline(image, place, OtsuObject::solid)).dice);
   }
 };

@@ -11,6 +11,7 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/hypotheses.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
 
@@ -105,11 +106,41 @@ void judge(const StageContext& context, Trial& trial) {
 // By how much the best reading must be ahead of one that found another volume. Among ranges of "alike the seed" the
 // evidence of a wrong one was seen 1.4 times that of the right one (a tumour in T1), so more is asked there.
 constexpr double kMargin = 1.1, kAlikeMargin = 1.5;
+// A result that shares less with its ball seed is likely another object beside it. (Of 40 hippocampi from a ball of 5
+// mm those of Dice below 0.05 share 6 to 31 %, the others 43 % or more but for one.)
+constexpr double kLeastSeedShare = 0.25;
 
 bool still_moves(const Trial& trial) {
   if (trial.stages.empty()) return false;
   const StageSummary& last = trial.stages.back();
   return last.reason.starts_with("step limit") && last.last_move_mm > 0.5;
+}
+
+// Of a ball that is where the object was said to be and of the surface that was found.
+double shared_volume(const SeedSphere& ball, const Surface& surface) {
+  constexpr int kAcross = 24;
+  ImageGrid grid;
+  grid.size = {kAcross, kAcross, kAcross};
+  grid.spacing = Vec3::Constant(2.0 * ball.radius / kAcross);
+  grid.origin_in_world = ball.center - Vec3::Constant(ball.radius) + 0.5 * grid.spacing;
+  const Image<std::uint8_t> mask = rasterize_mask(tessellate(surface, 3), grid);
+  const double radius = 0.5 * kAcross, middle = radius - 0.5;
+  int shared = 0;
+  for (int k = 0; k < kAcross; ++k) {
+    for (int j = 0; j < kAcross; ++j) {
+      for (int i = 0; i < kAcross; ++i) {
+        const bool in_ball = (Vec3(i, j, k) - Vec3::Constant(middle)).norm() <= radius;
+        shared += in_ball && mask.voxels[grid.offset(i, j, k)] != 0 ? 1 : 0;
+      }
+    }
+  }
+  return shared * grid.spacing.prod();
+}
+
+double seed_share(const SeedSphere& ball, const Trial& trial) {
+  const double of_ball = 4.0 / 3.0 * std::numbers::pi * std::pow(ball.radius, 3);
+  const double smaller = std::min(of_ball, std::abs(trial.volume));
+  return smaller > 0.0 ? std::min(1.0, shared_volume(ball, trial.state.surface) / smaller) : 0.0;
 }
 
 // A fit that ran well is still held against the image. Thresholds: recipes measured on phantoms, CT and MR
@@ -129,6 +160,10 @@ void check_evidence(const Trial& trial, FitSummary& summary) {
     summary.status = FitStatus::doubtful;
     summary.reason = fmt::format("weak evidence: {:.2f} (0.3 is wanted), {:.0f} % of the surface without an edge",
                                  e.score, 100.0 * e.weak_share);
+  } else if (summary.seed_share && *summary.seed_share < kLeastSeedShare) {
+    summary.status = FitStatus::doubtful;
+    summary.reason = fmt::format("the surface left its seed: they share {:.0f} % of the smaller one's volume",
+                                 100.0 * *summary.seed_share);
   } else if (summary.margin > 0.0 && summary.margin < (trial.state.reading.similarity ? kAlikeMargin : kMargin)) {
     summary.status = FitStatus::ambiguous;
     summary.reason = fmt::format(
@@ -279,6 +314,9 @@ FitResult summarise(const std::vector<Trial>& trials, std::size_t best, double m
   summary.level_inside = chosen.state.levels.inside;
   summary.level_outside = chosen.state.levels.outside;
   summary.points = chosen.points;
+  if (chosen.hypothesis.ball && chosen.state.status == FitStatus::ok) {
+    summary.seed_share = seed_share(*chosen.hypothesis.ball, chosen);
+  }
   if (summary.status == FitStatus::ok) check_evidence(chosen, summary);
   return result;
 }

@@ -82,7 +82,9 @@ struct FitSummary {
   Boundary boundary = Boundary::step;
   double level_inside = 0.0, level_outside = 0.0;  ///< medians at the surface, intensity units
   std::optional<PointDistances> points = {};       ///< of the expert points, when there are any
-  int iterations() const;                          ///< all stages
+  /// Volume that a ball seed and the surface share, over that of the smaller; not set: the seed was no ball.
+  std::optional<double> seed_share = {};
+  int iterations() const;  ///< all stages
 };
 
 /// The surface at one moment of a fit.

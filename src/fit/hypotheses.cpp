@@ -82,6 +82,7 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
     const double radius = std::cbrt(std::abs(rays.shape.determinant()));
     if (!as_seeded) hypothesis.start.reach_mm = std::max(0.6 * radius, 5.0 * h);
     hypothesis.compare_after = comparison_point(hypothesis.stages);
+    hypothesis.ball = seed;
     hypothesis.seed_radius = std::max(seed.radius, 4.0 * h);  // a click says little of the size
     list.push_back(std::move(hypothesis));
   }
@@ -229,7 +230,8 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
                                 Similarity{level, range},
                                 {}};
     hypothesis.start.levels = {0.0, -range, {}, {}};
-    hypothesis.start.start_volume = 0.0;                      // the seed says where, not how large: evidence judges
+    hypothesis.start.start_volume = 0.0;  // the seed says where, not how large: evidence judges
+    hypothesis.ball = seed;
     hypothesis.seed_radius = std::max(seed.radius, 4.0 * h);  // a click says little of the size
     const double smooth = 1e-3;
     hypothesis.stages = {{.name = "coarse",

@@ -10,8 +10,9 @@ struct Hypothesis {
   FitState start;
   std::vector<Stage> stages;  ///< up to where hypotheses are compared; the best goes on with the rest
   std::size_t compare_after = 0;
-  double seed_radius = 0.0;  ///< mm, of a ball seed; 0: none
-  bool certain = false;      ///< levels were told or are plain to see: others are tried only if this one fails
+  std::optional<SeedSphere> ball = {};  ///< the seed, where it is one
+  double seed_radius = 0.0;             ///< mm, what the ball says of the size; 0: nothing
+  bool certain = false;  ///< levels were told or are plain to see: others are tried only if this one fails
 };
 
 /// \param name_prefix for reports when there are several seeds.

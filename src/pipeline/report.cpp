@@ -82,6 +82,7 @@ json fit_json(const FitSummary& fit) {
     out["points"] = {
         {"count", fit.points->count}, {"rms_mm", number(fit.points->rms_mm)}, {"max_mm", number(fit.points->max_mm)}};
   }
+  if (fit.seed_share) out["seed_share"] = number(*fit.seed_share);
   out["margin"] = fit.margin < 0.0 ? json(nullptr) : number(fit.margin);
   out["stages"] = stages;
   out["hypotheses"] = hypotheses;

@@ -60,6 +60,37 @@ TEST(FitTrouble, seeds_outside_the_object_and_beyond_the_volume_are_data) {
   }
 }
 
+/// Volume that two balls of radii a and b share whose centres are d apart, over that of the smaller.
+double share_of_balls(double a, double b, double d) {
+  const double small = std::min(a, b);
+  if (d >= a + b) return 0.0;
+  if (d <= std::abs(a - b)) return 1.0;
+  const double lens =
+      std::numbers::pi * std::pow(a + b - d, 2) * (d * d + 2 * d * (a + b) - 3 * std::pow(a - b, 2)) / (12 * d);
+  return lens / (4.0 / 3.0 * std::numbers::pi * small * small * small);
+}
+
+TEST(FitTrouble, a_surface_that_leaves_its_seed_is_not_ok) {
+  bool left = false, stayed = false;
+  for (const double away : {0.0, 9.0, 12.0, 14.0, 16.0}) {
+    SCOPED_TRACE(away);
+    const FitResult fit = fit_ball_seed(ball().image, Vec3(0, away, 0), 4.0);
+    if (test::dice(fit.surface, ball().truth) < 0.95) continue;
+    const double share = share_of_balls(12.0, 4.0, away);
+    ASSERT_TRUE(fit.summary.seed_share.has_value());
+    EXPECT_NEAR(*fit.summary.seed_share, share, 0.03);
+    const bool told = fit.summary.reason.find("left its seed") != std::string::npos;
+    if (share < 0.2) {
+      EXPECT_NE(fit.summary.status, FitStatus::ok);
+      left = left || told;
+    } else if (share > 0.3) {
+      EXPECT_FALSE(told) << fit.summary.reason;
+      stayed = true;
+    }
+  }
+  EXPECT_TRUE(left && stayed);
+}
+
 // A search over the whole reach would send each side of the ball past the other.
 TEST(FitTrouble, ball_twice_as_wide_as_a_rod_shrinks_onto_it_and_is_not_turned_inside_out) {
   PhantomSettings s = small_phantom("ellipsoid");
