@@ -1,8 +1,10 @@
 #include "click.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
@@ -16,7 +18,7 @@ Image<std::uint8_t> mask_of_labels(const Image<std::int32_t>& labels, const std:
     const bool in = wanted.empty() ? label > 0 : std::find(wanted.begin(), wanted.end(), label) != wanted.end();
     mask.voxels[i] = in ? 1 : 0;
   }
-  return mask;
+  return in_lps_order(std::move(mask));
 }
 
 namespace {

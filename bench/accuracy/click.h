@@ -8,7 +8,9 @@
 
 namespace pellicle::bench {
 
-/// 1 where the labels are one of `wanted`; any label above 0 when there are none.
+/// 1 where the labels are one of `wanted`; any label above 0 when there are none. In LPS order (image/reorder.h), as
+/// the program sees images: voxels that are stored in another order are summed in another, and fits from bad seeds
+/// differ.
 Image<std::uint8_t> mask_of_labels(const Image<std::int32_t>& labels, const std::vector<int>& wanted = {});
 
 /// The voxel centre of the object that lies deepest, LPS mm. \pre the mask is not empty.

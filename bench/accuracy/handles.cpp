@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "click.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
@@ -100,10 +102,9 @@ void handle_table(const Options& options) {
     fmt::print("vertebra skipped: no folder {}\n", folder.string());
     return;
   }
-  const Volume ct = read_volume(folder / "example_ct.nii.gz");
-  const LabelVolume labels = read_labels(folder / "example_seg_fullres_v1labels.nii.gz");
-  Image<std::uint8_t> truth(labels.labels.grid);
-  for (std::size_t i = 0; i < truth.voxels.size(); ++i) truth.voxels[i] = labels.labels.voxels[i] == 23 ? 1 : 0;
+  const Image<float> ct = in_lps_order(read_volume(folder / "example_ct.nii.gz").image);
+  const Image<std::uint8_t> truth =
+      mask_of_labels(read_labels(folder / "example_seg_fullres_v1labels.nii.gz").labels, {23});
   Image<float> label(truth.grid);
   std::copy(truth.voxels.begin(), truth.voxels.end(), label.voxels.begin());
   for (const ModelKind kind : kKinds) {
@@ -113,7 +114,7 @@ void handle_table(const Options& options) {
   }
   for (const ModelKind kind : kKinds) {
     Scores scores;
-    add(ct.image, truth, truth, surface_of_mask(truth), 1, kind, scores);
+    add(ct, truth, truth, surface_of_mask(truth), 1, kind, scores);
     print_row("vertebra T12 from its label, in the CT at 3 mm", kind, scores);
   }
 }

@@ -8,6 +8,7 @@
 #include "otsu_baseline.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/presets.h"
@@ -82,9 +83,9 @@ void sarcoma_clicks(const Options& options) {
   print_click_head();
   std::vector<double> dice;
   for (const std::string name : {"STS_002_CT", "STS_003_CT", "STS_002_MR_T1", "STS_003_MR_T1"}) {
-    const Volume volume = read_volume(folder / (name + "_image.nii.gz"));
+    const Image<float> image = in_lps_order(read_volume(folder / (name + "_image.nii.gz")).image);
     const auto truth = mask_of_labels(read_labels(folder / (name + "_mask.nii.gz")).labels);
-    dice.push_back(click_row(name, volume.image, truth, deepest_point(truth), settings_of_preset("lesion")));
+    dice.push_back(click_row(name, image, truth, deepest_point(truth), settings_of_preset("lesion")));
   }
   fmt::print("| **median** | {:.3f} | | | | | | | | |\n", median_of(dice));
 }
@@ -95,14 +96,14 @@ void organ_table(const Options& options) {
   fmt::print("\n## Organs in CT, one click, --preset organ-ct\n\n");
   const std::filesystem::path folder = options.data / "organs-ct";
   if (!missing(folder)) {
-    const Volume volume = read_volume(folder / "example_ct.nii.gz");
+    const Image<float> image = in_lps_order(read_volume(folder / "example_ct.nii.gz").image);
     const Image<std::int32_t> labels = read_labels(folder / "example_seg_fullres_v1labels.nii.gz").labels;
     print_click_head();
     std::vector<double> dice;
     for (const auto& [name, label] : std::vector<std::pair<std::string, int>>{
              {"spleen", 1}, {"kidney R", 2}, {"kidney L", 3}, {"liver", 5}, {"bladder", 104}}) {
       const auto truth = mask_of_labels(labels, {label});
-      dice.push_back(click_row(name, volume.image, truth, deepest_point(truth), settings_of_preset("organ-ct")));
+      dice.push_back(click_row(name, image, truth, deepest_point(truth), settings_of_preset("organ-ct")));
     }
     fmt::print("| **median** | {:.3f} | | | | | | | | |\n", median_of(dice));
   }
@@ -119,7 +120,7 @@ void hippocampus_table(const Options& options) {
   Start middle{"at the middle of the crop", {}, {}, {}}, click{"at the deepest point of the label", {}, {}, {}};
   std::vector<double> window;
   for (const auto& file : files) {
-    const Image<float> image = read_volume(file).image;
+    const Image<float> image = in_lps_order(read_volume(file).image);
     const auto truth = mask_of_labels(read_labels(folder / "labels" / file.filename()).labels);
     const Index3& size = image.grid.size;
     middle.add(image, truth, image.grid.world_from_index(0.5 * Vec3(size[0] - 1, size[1] - 1, size[2] - 1)));

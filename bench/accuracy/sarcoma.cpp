@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "click.h"
+#include "pellicle/image/reorder.h"
 #include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
@@ -33,11 +34,11 @@ void sarcoma_table(const Options& options) {
       "| case | Dice | volume error | chosen reading | evidence | margin | status | seconds "
       "|\n|---|---|---|---|---|---|---|---|\n");
   for (const std::string name : {"STS_002_CT", "STS_003_CT", "STS_002_MR_T1", "STS_003_MR_T1"}) {
-    const Volume volume = read_volume(options.data / "sarcoma" / (name + "_image.nii.gz"));
+    const Image<float> image = in_lps_order(read_volume(options.data / "sarcoma" / (name + "_image.nii.gz")).image);
     const auto truth = mask_of_labels(read_labels(options.data / "sarcoma" / (name + "_mask.nii.gz")).labels);
     const SeedSphere seed = one_click(truth);
     const double begin = seconds_now();
-    const FitResult fit = fit_surface(volume.image, {seed}, FitSettings{});
+    const FitResult fit = fit_surface(image, {seed}, FitSettings{});
     const double seconds = seconds_now() - begin;
     const OverlapMetrics overlap = overlap_of(truth, rasterize_mask(measuring_mesh(fit.surface, 1.0), truth.grid));
     std::string reading;
