@@ -148,6 +148,48 @@ std::vector<double> distances_of(const std::vector<Vec3>& points, const F& dista
   return out;
 }
 
+/// See PointFitSummary::astray_share. One alone is an outlier, several together are not.
+double astray_share_of(const GeometryData& data, const TriangleMesh& mesh, const ClosestPoint& to_mesh) {
+  constexpr int kNeighbours = 5, kFewest = 4;
+  constexpr double kNear = 2.5;  // typical distances of neighbouring points
+  constexpr double kDeviations = 5.0, kLeast = 0.01;
+  std::vector<Vec3> points;
+  for (std::size_t k = 0; k < data.points.size(); ++k) {
+    if (data.weights.empty() || data.weights[k] > 0.0) points.push_back(data.points[k]);
+  }
+  if (points.size() <= kNeighbours) return 0.0;
+  const PointTree tree(std::move(points));
+  const std::vector<Vec3>& x = tree.points();
+  std::vector<double> offset(x.size());
+  parallel_for(x.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto near = to_mesh.query(x[i]);
+      const auto& t = mesh.triangles[static_cast<std::size_t>(near.triangle)];
+      const auto at = [&](std::size_t c) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[c])]; };
+      const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
+      offset[i] = std::copysign(near.distance, normal.dot(x[i] - at(0)));
+    }
+  });
+  std::vector<double> distance(offset.size());
+  std::transform(offset.begin(), offset.end(), distance.begin(), [](double o) { return std::abs(o); });
+  const double noise = 1.4826 * median_of(std::move(distance));
+  const double far = std::max(kDeviations * noise, kLeast * data.diameter), reach = kNear * point_spacing(tree);
+  std::vector<double> astray(x.size(), 0.0);
+  parallel_for(x.size(), 256, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> others;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (std::abs(offset[i]) < far) continue;
+      others.clear();
+      for (const auto& n : tree.nearest(x[i], kNeighbours + 1)) {
+        if (n.point != static_cast<int>(i) && n.distance < reach)
+          others.push_back(std::copysign(1.0, offset[i]) * offset[static_cast<std::size_t>(n.point)]);
+      }
+      if (others.size() >= kFewest && median_of(others) >= far) astray[i] = 1.0;
+    }
+  });
+  return sum(astray) / static_cast<double>(x.size());
+}
+
 }  // namespace
 
 void measure_fit(const GeometryData& data, PointFit& fit) {
@@ -165,6 +207,7 @@ void measure_fit(const GeometryData& data, PointFit& fit) {
     fit.summary.to_data =
         residual_of(distances_of(samples, [&](const Vec3& x) { return tree.nearest(x, 1).front().distance; }));
   }
+  if (data.robust && !data.surface) fit.summary.astray_share = astray_share_of(data, mesh, to_mesh);
   fit.summary.self_intersections = self_intersection_count(mesh);
   const MeshTopology topology = topology_of(mesh);
   fit.summary.genus = topology.genus;

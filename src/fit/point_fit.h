@@ -52,6 +52,9 @@ struct PointFitSummary {
   double held_out_rms = -1.0;  ///< mm, of the points left out; -1: none were
   Residual to_surface, to_data;
   double inlier_rms = 0.0;  ///< mm, data to surface, robust weights
+  /// Share of noisy points that lie beside the surface together with their neighbours, on one side, further than noise
+  /// puts them (five robust deviations, one per cent of the diameter): a part that the surface does not show.
+  double astray_share = 0.0;
   std::size_t self_intersections = 0;
   int genus = 0;         ///< border loops, if any, thought closed by discs
   int border_loops = 0;  ///< 0: closed

@@ -23,7 +23,8 @@ namespace {
 
 constexpr int kMostByItself = 2000;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
-constexpr int kCheap = 200;  ///< control points: coarser levels take no part in ending the search
+constexpr int kCheap = 200;        ///< control points: coarser levels take no part in ending the search
+constexpr double kAstray = 0.005;  ///< share of points beside the surface that a fit is doubted for
 constexpr double kNextGrid = std::numbers::sqrt2;
 constexpr int kBodySamples = 10000, kBodySteps = 12;
 constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
@@ -409,6 +410,13 @@ class Levels {
     if (tolerance_ && residual > *tolerance_) {
       fitted.status = "tolerance_missed";
       fitted.reason = fmt::format("the residual is {:.4g} mm, {:.4g} mm were asked for", residual, *tolerance_);
+    }
+    const bool by_itself = !tolerance_ && !settings_.size && !settings_.detail && settings_.ladder.empty();
+    if (by_itself && fitted.fit.summary.astray_share > kAstray) {
+      fitted.status = "doubtful";
+      fitted.reason =
+          fmt::format("{:.1f} % of the points lie together beside the surface: a part that it does not show",
+                      100.0 * fitted.fit.summary.astray_share);
     }
     if (fitted.fit.summary.self_intersections > 0) {
       fitted.status = "folded";

@@ -39,6 +39,7 @@ json fit_json(const FittedSurface& fitted, double diameter) {
   out["surface_to_data"] = residual_json(s.to_data, diameter);
   out["held_out_rms_mm"] = s.held_out_rms >= 0.0 ? number_or_null(s.held_out_rms) : json(nullptr);
   out["inlier_rms_mm"] = number_or_null(s.inlier_rms);
+  out["astray_share"] = number_or_null(s.astray_share);
   out["self_intersections"] = s.self_intersections;
   out["genus"] = s.genus;
   out["border_loops"] = s.border_loops;

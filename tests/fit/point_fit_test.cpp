@@ -195,6 +195,27 @@ TEST(FitFrom, TheLargestResidualIsTradedForTheRest) {
   EXPECT_EQ(fit_from(start, cloud, settings, false).surface.parameters, robust.surface.parameters);
 }
 
+// 2000 points of a ball with noise: `lifted` of them, around a pole or spread evenly, lie a tenth of the diameter out.
+double astray_share_with(int lifted, bool together) {
+  RandomEngine random(7);
+  std::vector<Vec3> points = sample_surface(test::sphere(4, 10.0), 2000);
+  std::sort(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) { return a.z() > b.z(); });
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::size_t every = points.size() / static_cast<std::size_t>(lifted);
+    const bool out = together ? k < static_cast<std::size_t>(lifted) : k % every == 0;
+    points[k] *= (out ? 1.2 : 1.0) + 0.002 * random.normal();
+  }
+  const SurfaceModel model = model_of(ModelKind::spline, 1);
+  PointFit fit{{model, affine_image(model, Vec3::Zero(), 10.0 * Mat3::Identity())}, {}};
+  measure_fit(cloud_of(points), fit);
+  return fit.summary.astray_share;
+}
+
+TEST(MeasureFit, ManyPointsTogetherBesideTheSurfaceAreNoOutliers) {
+  EXPECT_NEAR(astray_share_with(60, true), 0.03, 0.005);
+  EXPECT_EQ(astray_share_with(60, false), 0.0);
+}
+
 TEST(FitFrom, AnOpenSurfaceEndsAtTheRim) {
   // Half of a blob, cut by the plane z = 0; points are 0.6 mm apart.
   std::vector<Vec3> points;
