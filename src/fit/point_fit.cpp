@@ -151,7 +151,7 @@ std::vector<double> distances_of(const std::vector<Vec3>& points, const F& dista
 /// See PointFitSummary::astray_share. One alone is an outlier, several together are not.
 double astray_share_of(const GeometryData& data, const TriangleMesh& mesh, const ClosestPoint& to_mesh) {
   constexpr int kNeighbours = 5, kFewest = 4;
-  constexpr double kNear = 2.5;  // typical distances of neighbouring points
+  constexpr double kNear = 4.0;  // typical distances of neighbouring points
   constexpr double kDeviations = 5.0, kLeast = 0.01;
   std::vector<Vec3> points;
   for (std::size_t k = 0; k < data.points.size(); ++k) {
