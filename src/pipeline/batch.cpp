@@ -41,13 +41,14 @@ std::string fingerprint(const std::vector<std::string>& arguments) {
   return fmt::format("{:016x}", hash);
 }
 
-// What a killed run may have left: see AtomicFile.
-void remove_parts(const fs::path& folder) {
+// What a killed run may have left (AtomicFile) of files whose names begin with `stem`; empty: of any.
+void remove_parts(const fs::path& folder, const std::string& stem = "") {
   std::error_code fault;
   std::vector<fs::path> parts;
   for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
     const std::string name = at->path().filename().string();
-    if (name.starts_with('.') && name.find(".part") != std::string::npos) parts.push_back(at->path());
+    const bool ours = name.starts_with('.') && (stem.empty() || name.starts_with(fmt::format(".{}.", stem)));
+    if (ours && name.find(".part") != std::string::npos) parts.push_back(at->path());
   }
   for (const auto& part : parts) fs::remove(part, fault);
 }
@@ -139,7 +140,9 @@ class Batch {
       BatchRow& place = known[row.name];
       if (!place.done() || row.done()) place = row;
     }
-    remove_parts(settings_.output);
+    // Other shards may be writing their tables into this folder now.
+    const std::string table = result_.table.filename().string();
+    remove_parts(settings_.output, table.substr(0, table.find('.')));
     for (auto& row : result_.rows) {
       const auto found = known.find(row.name);
       if (found == known.end() || !found->second.done() || found->second.arguments != row.arguments) continue;

@@ -142,8 +142,12 @@ TEST_F(BatchRun, TheTableIsCompleteWhileItRunsAndAnInterruptEndsTheChildren) {
   std::ofstream(folder_ / "quick") << "";
   fs::create_directories(folder_ / "out/slow");
   std::ofstream(folder_ / "out/slow/.slow_mask.4711.part.nii.gz") << "half";
+  std::ofstream(folder_ / "out/.batch.4711.part.tsv") << "half";
+  const fs::path of_a_shard = folder_ / "out/.batch-2-of-3.4711.part.tsv";  // which may be running now
+  std::ofstream(of_a_shard) << "half";
   settings_.resume = true;
   EXPECT_EQ(run_batch(all, settings_, {}).exit_code(), 0);
+  EXPECT_TRUE(fs::remove(of_a_shard));
   settings_.resume = false;
   settings_.output = folder_ / "undisturbed";
   EXPECT_EQ(run_batch(all, settings_, {}).exit_code(), 0);
