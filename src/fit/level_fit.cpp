@@ -35,7 +35,7 @@ constexpr int kHoldBacks = 6;
 constexpr double kBoundShare = 0.85, kHopeless = 3.4, kMostEmphasis = 1e4;
 constexpr int kBoundSteps = 15, kPoorBoundSteps = 5;
 // Springs back to the data and what counts as beyond them, in typical distances of neighbouring points.
-constexpr double kOvershoot = 1.0, kBeyond = 2.5;
+constexpr double kOvershoot = 1.0, kReturn = 1.0, kBeyond = 2.5;
 
 /// About four samples a control point or more; see knot_layout_of.
 SampleLayout fit_layout(const SurfaceModel& model) {
@@ -160,7 +160,7 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
   }
   if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<PointTree>(data.rim);
   choose_points();
-  if (data.robust && data.rim.empty() && !data.surface) take_cloud();
+  if (data.robust && !data.surface && (data.rim.empty() || rim_)) take_cloud();
 }
 
 void LevelFit::take_cloud() {
@@ -299,6 +299,7 @@ void LevelFit::step() {
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
   if (rim_) {
+    if (cloud_ && returns_) rows.push_back({"return", return_rows(samples, area, *cloud_, reach_, kReturn)});
     rows.push_back({"rim springs", rim_spring_rows(layout_, samples, *rim_, 0.2 * data_.diameter, kRim)});
   }
   const Parameters before = surface_.parameters;
@@ -431,6 +432,20 @@ void LevelFit::choose(const Vec3& x) {
   if (chosen_normal_.empty()) return;
   const int triangle = data_surface_ ? data_surface_->query(x).triangle : -1;
   chosen_normal_.push_back(triangle < 0 ? Vec3::Zero() : data_normals_[static_cast<std::size_t>(triangle)]);
+}
+
+double LevelFit::misfit() const {
+  SurfaceSamples samples;
+  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
+  const double here = rms_of(attach(chosen_, layout_, samples), given_weight_);
+  if (!cloud_) return here;
+  const std::vector<double> area = sample_areas(layout_, samples.x);
+  double beyond = 0.0;
+  for (std::size_t i = 0; i < samples.x.size(); ++i) {
+    const double excess = std::max(0.0, cloud_->nearest(samples.x[i], 1).front().distance - reach_);
+    beyond += area[i] * excess * excess;
+  }
+  return here + std::sqrt(beyond / sum(area));
 }
 
 LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {

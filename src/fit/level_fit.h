@@ -40,6 +40,11 @@ class LevelFit {
   void springs();
   /// Steps in which points beyond settings.largest_residual count more and more; keeps the least largest residual.
   void bound_residuals();
+  /// Of an open surface: from now on, what lies beyond the points is pulled back to them (return_rows).
+  void return_flaps() { returns_ = true; }
+  /// mm: rms of the points, and of what of the surface lies beyond them by more than they lie apart.
+  double misfit() const;
+  bool cuts_itself() const { return cuts_of(surface_.parameters).pairs > 0; }
   PointFit result(double seconds) const;
 
  private:
@@ -65,7 +70,7 @@ class LevelFit {
 
   const GeometryData& data_;
   const PointFitSettings& settings_;
-  bool hold_out_;
+  bool hold_out_, returns_ = false;
   Surface surface_;
   SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts
   std::vector<Vec3> anchors_;   ///< where samples are drawn along the surface; empty: where they are
