@@ -31,32 +31,25 @@ std::map<int, BorderPlace> border_of(const SampleLayout& layout) {
 
 }  // namespace
 
-ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const PointTree& rim,
+ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const RimLocator& rim,
                            double reach, double energy_weight) {
-  constexpr int kNearest = 4;
   ScalarRows rows;
   const std::map<int, BorderPlace> border = border_of(layout);
-  const auto along = [&](const BorderPlace& p) -> Vec3 {
-    return 0.5 * (samples.x[static_cast<std::size_t>(p.after)] - samples.x[static_cast<std::size_t>(p.before)]);
+  const auto length_at = [&](const BorderPlace& p) {
+    if (p.before < 0 || p.after < 0) return 0.0;
+    return 0.5 * (samples.x[static_cast<std::size_t>(p.after)] - samples.x[static_cast<std::size_t>(p.before)]).norm();
   };
   double length = 0.0;
+  for (const auto& [sample, place] : border) length += length_at(place);
   for (const auto& [sample, place] : border) {
-    if (place.before >= 0 && place.after >= 0) length += along(place).norm();
-  }
-  for (const auto& [sample, place] : border) {
-    if (place.before < 0 || place.after < 0) continue;
-    const Vec3& x = samples.x[static_cast<std::size_t>(sample)];
-    const Vec3 tangent = along(place);
-    const Vec3 outward = tangent.cross(samples.normal[static_cast<std::size_t>(sample)]).normalized();
-    const auto near = rim.nearest(x, kNearest);
-    if (near.empty() || near.front().distance > reach || !outward.allFinite()) continue;
-    double furthest = -reach;
-    for (const auto& n : near) {
-      furthest = std::max(furthest, outward.dot(rim.points()[static_cast<std::size_t>(n.point)] - x));
+    const double share = length_at(place) / length;
+    const RimLocator::Place on = rim.nearest(samples.x[static_cast<std::size_t>(sample)]);
+    if (!(share > 0.0) || on.distance > reach) continue;
+    const double root = std::sqrt(2.0 * energy_weight * share);
+    for (const Vec3& across : {on.outward, Vec3(on.tangent.cross(on.outward))}) {
+      rows.add(sample, root * across);
+      rows.close(root * across.dot(on.x));
     }
-    const double root = std::sqrt(2.0 * energy_weight * tangent.norm() / length);
-    rows.add(sample, root * outward);
-    rows.close(root * (outward.dot(x) + furthest));
   }
   return rows;
 }

@@ -1,18 +1,18 @@
 #pragma once
-/// Springs along the rim of an open surface: springs of points see tangent planes only, so nothing else tells it where
-/// to end.
+/// Springs from the border of an open surface to the curve where its data end: springs of points see tangent planes
+/// only, so nothing else tells it where to end.
 ///
-/// E = sum_i (l_i/L) (b_i . x_i - h_i)^2 over the samples of the border, l_i their share of its length L, b_i the unit
-/// vector along the surface and outward across the border, h_i the furthest along b_i of the four nearest rim points.
+/// E = sum_i (l_i/L) |(I - t_i t_i^T)(x_i - c_i)|^2 over the samples of the border, l_i their share of its length L,
+/// c_i the nearest place of the rim's curve and t_i the curve's tangent there: samples slide along it.
 
 #include "pellicle/energies/rows.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/surface/samples.h"
 
 namespace pellicle {
 
-/// \param reach mm: samples further from the rim's points get no row. No rows for a closed layout.
-ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const PointTree& rim,
+/// \param reach mm: samples further from the curves get no row. No rows for a closed layout.
+ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const RimLocator& rim,
                            double reach, double energy_weight);
 
 }  // namespace pellicle

@@ -125,23 +125,6 @@ std::vector<PointTree::Neighbour> nearest_points(const SurfaceSamples& samples, 
 
 }  // namespace
 
-ScalarRows return_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
-                       double reach, double energy_weight) {
-  const std::vector<PointTree::Neighbour> nearest = nearest_points(samples, points);
-  const double total = sum(area);
-  ScalarRows rows;
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    const Vec3& y = points.points()[static_cast<std::size_t>(nearest[i].point)];
-    if (nearest[i].distance <= reach) continue;
-    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
-    for (int c = 0; c < 3; ++c) {
-      rows.add(static_cast<int>(i), root * Vec3::Unit(c));
-      rows.close(root * y[c]);
-    }
-  }
-  return rows;
-}
-
 ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
                           double reach, double energy_weight) {
   constexpr double kAlong = 0.7;  // across a hole the way to its rim is none along the normal

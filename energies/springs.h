@@ -49,12 +49,6 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
 ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
                           double reach, double energy_weight);
 
-/// Springs from samples that lie further than `reach` mm from every point to the nearest one, along the surface as
-/// well: E = sum_i (A_i/A) |x_i - y_i|^2. An open surface that goes on beyond its rim comes back. \param area of the
-/// samples.
-ScalarRows return_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
-                       double reach, double energy_weight);
-
 /// Tukey's biweight (1 - (r/c)^2)^2 within c = `cutoff` robust deviations of the distances, 0 beyond; the deviation is
 /// at least `floor` mm.
 std::vector<double> tukey_weights(const std::vector<double>& distances, double cutoff, double floor);

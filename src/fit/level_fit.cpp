@@ -28,14 +28,14 @@ constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
 constexpr double kFirstStiffness = 20.0, kStiffnessShare = 0.7;
 constexpr double kStiffening = 3.0, kMostStiffening = 1000.0;  ///< of a patch that folds, a step and at most
 constexpr double kAnchor = 0.0002;                             ///< of sliding_rows, against springs of weight 1
-constexpr double kRim = 0.1;  ///< of the rim's springs; they act along the surface, where little holds against
+constexpr double kRim = 1.0;                                   ///< of the rim's springs, against springs of weight 1
 constexpr int kHoldBacks = 6;
 // bound_residuals: what is aimed at and what is given up at once, shares of the largest residual that was asked for; a
 // point's weight at most; steps, and steps that gain nothing before the end.
 constexpr double kBoundShare = 0.85, kHopeless = 3.4, kMostEmphasis = 1e4;
 constexpr int kBoundSteps = 15, kPoorBoundSteps = 5;
-// Springs back to the data and what counts as beyond them, in typical distances of neighbouring points.
-constexpr double kOvershoot = 1.0, kReturn = 1.0, kBeyond = 2.5;
+// Springs back to the data, and what counts as beyond them, in typical distances of neighbouring points.
+constexpr double kOvershoot = 1.0, kBeyond = 2.5;
 
 /// About four samples a control point or more; see knot_layout_of.
 SampleLayout fit_layout(const SurfaceModel& model) {
@@ -158,9 +158,9 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       data_normals_.push_back((v[at(1)] - v[at(0)]).cross(v[at(2)] - v[at(0)]));
     }
   }
-  if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<PointTree>(data.rim);
+  if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<RimLocator>(data.rim);
   choose_points();
-  if (data.robust && !data.surface && (data.rim.empty() || rim_)) take_cloud();
+  if (data.robust && !data.surface && data.rim.empty()) take_cloud();
 }
 
 void LevelFit::take_cloud() {
@@ -299,7 +299,6 @@ void LevelFit::step() {
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
   if (rim_) {
-    if (cloud_ && returns_) rows.push_back({"return", return_rows(samples, area, *cloud_, reach_, kReturn)});
     rows.push_back({"rim springs", rim_spring_rows(layout_, samples, *rim_, 0.2 * data_.diameter, kRim)});
   }
   const Parameters before = surface_.parameters;
@@ -432,20 +431,6 @@ void LevelFit::choose(const Vec3& x) {
   if (chosen_normal_.empty()) return;
   const int triangle = data_surface_ ? data_surface_->query(x).triangle : -1;
   chosen_normal_.push_back(triangle < 0 ? Vec3::Zero() : data_normals_[static_cast<std::size_t>(triangle)]);
-}
-
-double LevelFit::misfit() const {
-  SurfaceSamples samples;
-  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-  const double here = rms_of(attach(chosen_, layout_, samples), given_weight_);
-  if (!cloud_) return here;
-  const std::vector<double> area = sample_areas(layout_, samples.x);
-  double beyond = 0.0;
-  for (std::size_t i = 0; i < samples.x.size(); ++i) {
-    const double excess = std::max(0.0, cloud_->nearest(samples.x[i], 1).front().distance - reach_);
-    beyond += area[i] * excess * excess;
-  }
-  return here + std::sqrt(beyond / sum(area));
 }
 
 LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {

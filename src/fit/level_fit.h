@@ -40,11 +40,6 @@ class LevelFit {
   void springs();
   /// Steps in which points beyond settings.largest_residual count more and more; keeps the least largest residual.
   void bound_residuals();
-  /// Of an open surface: from now on, what lies beyond the points is pulled back to them (return_rows).
-  void return_flaps() { returns_ = true; }
-  /// mm: rms of the points, and of what of the surface lies beyond them by more than they lie apart.
-  double misfit() const;
-  bool cuts_itself() const { return cuts_of(surface_.parameters).pairs > 0; }
   PointFit result(double seconds) const;
 
  private:
@@ -70,7 +65,7 @@ class LevelFit {
 
   const GeometryData& data_;
   const PointFitSettings& settings_;
-  bool hold_out_, returns_ = false;
+  bool hold_out_;
   Surface surface_;
   SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts
   std::vector<Vec3> anchors_;   ///< where samples are drawn along the surface; empty: where they are
@@ -80,7 +75,7 @@ class LevelFit {
   std::unique_ptr<ClosestPoint> data_surface_;
   std::unique_ptr<PointTree> cloud_;  ///< chosen points with weight, where they alone are the data
   double reach_ = 0.0;                ///< mm; what is further from them is beyond them
-  std::unique_ptr<PointTree> rim_;    ///< of open data
+  std::unique_ptr<RimLocator> rim_;   ///< of open data
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
   std::vector<double> emphasis_;  ///< one a chosen point, >= 1 (bound_residuals); empty: 1 each

@@ -112,13 +112,6 @@ PointFit fit_from(const Surface& start, const GeometryData& data, const PointFit
   LevelFit fit(start, data, settings, hold_out);
   fit.springs();
   fit.bound_residuals();
-  if (!data.rim.empty() && !is_closed(start.model)) {
-    // A start with skirts beyond the rim needs them pulled back, which a good one is only disturbed by: both are tried.
-    LevelFit other(start, data, settings, hold_out);
-    other.return_flaps();
-    other.springs();
-    if (other.misfit() < fit.misfit() && !other.cuts_itself()) return other.result(seconds_since(begin));
-  }
   return fit.result(seconds_since(begin));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/mesh/sphere_map.h"
 #include "pellicle/surface/surface.h"
 
@@ -17,7 +18,7 @@ struct GeometryData {
   std::vector<Vec3> normals;            ///< outward, one a point (zero: not known); empty: none is known
   std::vector<double> weights;          ///< one a point, >= 0; empty: all alike
   std::optional<TriangleMesh> surface;  ///< closed and outward when the data are one: samples are pulled to it as well
-  std::vector<Vec3> rim;                ///< points where an open surface ends; empty: it is closed
+  std::vector<RimCurve> rim;            ///< where an open surface ends; empty: it is closed
   bool robust = true;                   ///< points far off are outliers
   double diameter = 0.0;                ///< mm, see diameter_of
 };

@@ -51,7 +51,7 @@ std::vector<Vec3> plane_normals(const PointTree& tree) {
   return normals;
 }
 
-std::vector<Vec3> rim_of(const PointTree& tree, const std::vector<Vec3>& normals) {
+RimPoints rim_of(const PointTree& tree, const std::vector<Vec3>& normals) {
   constexpr int kNeighbours = 24;
   constexpr double kGap = 0.8 * std::numbers::pi;
   const std::vector<Vec3>& points = tree.points();
@@ -62,14 +62,19 @@ std::vector<Vec3> rim_of(const PointTree& tree, const std::vector<Vec3>& normals
     }
   });
   // Along a straight rim, half a disc of 24 neighbours has about five of them; points inside have one by chance.
-  std::vector<Vec3> rim;
+  RimPoints rim;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (candidate[i] == 0) continue;
     const auto ring = tree.nearest(points[i], kNeighbours + 1);
     const auto beside = std::count_if(ring.begin(), ring.end(), [&](const PointTree::Neighbour& n) {
       return candidate[static_cast<std::size_t>(n.point)] != 0;
     });
-    if (beside >= 4) rim.push_back(points[i]);  // itself and three more
+    if (beside < 4) continue;  // itself and three more
+    Vec3 mean = Vec3::Zero();
+    for (const auto& n : ring) mean += points[static_cast<std::size_t>(n.point)] / static_cast<double>(ring.size());
+    const Vec3 away = points[i] - mean;
+    rim.x.push_back(points[i]);
+    rim.outward.push_back((away - away.dot(normals[i]) * normals[i]).normalized());
   }
   return rim;
 }

@@ -225,7 +225,7 @@ class Levels {
       return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
     }
     const PointTree tree(data_.points);
-    auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, seed.spacing_mm);
+    auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, data_.rim, seed.spacing_mm);
     return {std::move(model), std::move(parameters)};
   }
 

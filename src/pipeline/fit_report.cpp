@@ -89,11 +89,13 @@ json report_of(const GeometryFitResult& result, const std::vector<std::string>& 
   report["exit_code"] = result.exit_code();
   report["settings"] = settings_json(result.settings);
   const GeometryData& data = result.input.data;
+  int rim_points = 0;
+  for (const RimCurve& rim : data.rim) rim_points += rim.points;
   report["input"] = {{"kind", result.input.kind},
                      {"points", data.points.size()},
                      {"closed_surface", data.surface.has_value()},
                      {"genus", result.input.genus},
-                     {"rim_points", data.rim.size()},
+                     {"rim_points", rim_points},
                      {"diameter_mm", number_or_null(data.diameter)},
                      {"bridged_mm", number_or_null(result.input.bridged_mm)},
                      {"spherical_stretch", result.stretch > 0.0 ? number_or_null(result.stretch) : json(nullptr)}};

@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kSmoothings = 6;
 
+std::size_t idx(int i) {
+  return static_cast<std::size_t>(i);
+}
+
 /// Quads of one mesh, of which some are kept.
 class Part {
  public:
@@ -116,7 +120,6 @@ class Part {
   }
 
  private:
-  static std::size_t idx(int i) { return static_cast<std::size_t>(i); }
   int corner(int quad, std::size_t c) const { return mesh_.quads[idx(quad)][c % 4]; }
   int beside(int quad, std::size_t c) const {
     const auto at = quad_of_.find({corner(quad, c + 1), corner(quad, c)});
@@ -166,9 +169,9 @@ class Part {
   std::map<int, std::vector<int>> around_;      ///< quads at a vertex
 };
 
-}  // namespace
-
-QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
+// The quads that lie along the points, and of those the ones that are not beyond a rim.
+template <class Within>
+QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, double reach, const Within& within) {
   constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
   const QuadMesh smooth{smoothed_vertices(closed, kSmoothings), closed.quads};
   std::vector<bool> kept;
@@ -179,7 +182,7 @@ QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reac
     const Vec3 normal = (at(2) - at(0)).cross(at(3) - at(1)).normalized();
     const auto near = points.tree.nearest(centre, 1).front();
     const Vec3& plane = points.plane_normals[static_cast<std::size_t>(near.point)];
-    kept.push_back(near.distance <= reach && std::abs(normal.dot(plane)) >= kAlong);
+    kept.push_back(near.distance <= reach && std::abs(normal.dot(plane)) >= kAlong && within(centre));
   }
   Part part(smooth, std::move(kept));
   part.fill_small_holes();
@@ -190,8 +193,120 @@ QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reac
   return open;
 }
 
-std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points, double reach) {
+// Border vertices in order, the surface to the left.
+std::vector<std::vector<int>> border_loops(const QuadTopology& topology) {
+  std::vector<std::vector<int>> loops;
+  std::vector<bool> seen(topology.rings.size(), false);
+  for (int start = 0; start < topology.vertex_count(); ++start) {
+    std::vector<int> loop;
+    for (int v = start; !topology.rings[idx(v)].closed && !seen[idx(v)]; v = topology.rings[idx(v)].edge.front()) {
+      seen[idx(v)] = true;
+      loop.push_back(v);
+    }
+    if (!loop.empty()) loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+// Shares of a closed curve that go round once as the loop does, drawn to even steps.
+std::vector<double> even_shares(const std::vector<double>& nearest) {
+  constexpr int kSweeps = 30;
+  const std::size_t n = nearest.size();
+  std::vector<double> share{nearest.front()};
+  for (std::size_t i = 1; i < n; ++i) share.push_back(share.back() + std::remainder(nearest[i] - nearest[i - 1], 1.0));
+  const double round = std::round(share.back() + std::remainder(nearest.front() - nearest.back(), 1.0) - share.front());
+  if (round == 0.0) return {};
+  for (int k = 0; k < kSweeps; ++k) {
+    std::vector<double> mean(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double before = i == 0 ? share[n - 1] - round : share[i - 1];
+      const double after = i + 1 == n ? share[0] + round : share[i + 1];
+      mean[i] = 0.5 * share[i] + 0.25 * (before + after);
+    }
+    share = std::move(mean);
+  }
+  return share;
+}
+
+void lay_borders(const QuadTopology& topology, const std::vector<RimCurve>& rims, QuadMesh& mesh) {
+  const RimLocator locator(rims);
+  for (const std::vector<int>& loop : border_loops(topology)) {
+    std::vector<int> votes(rims.size(), 0);
+    for (const int v : loop) ++votes[idx(locator.nearest(mesh.vertices[idx(v)]).curve)];
+    const auto c = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+    const RimLocator own({rims[c]});
+    std::vector<double> nearest;
+    nearest.reserve(loop.size());
+    for (const int v : loop) nearest.push_back(own.nearest(mesh.vertices[idx(v)]).along);
+    const std::vector<double> shares = even_shares(nearest);
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      const std::vector<Vec3>& x = rims[c].x;
+      const double at = (shares[i] - std::floor(shares[i])) * static_cast<double>(x.size());
+      const std::size_t k = std::min(static_cast<std::size_t>(at), x.size() - 1);
+      const double t = at - static_cast<double>(k);
+      mesh.vertices[idx(loop[i])] = (1.0 - t) * x[k] + t * x[(k + 1) % x.size()];
+    }
+  }
+}
+
+// Vertices inside move to the mean of their neighbours and then onto the planes through the points near them.
+void spread(const QuadTopology& topology, const OpenPoints& points, QuadMesh& mesh) {
+  constexpr int kSweeps = 40, kNear = 6;
+  for (int k = 0; k < kSweeps; ++k) {
+    std::vector<Vec3> moved = mesh.vertices;
+    for (std::size_t v = 0; v < moved.size(); ++v) {
+      const QuadRing& ring = topology.rings[v];
+      if (!ring.closed) continue;
+      Vec3 mean = Vec3::Zero();
+      for (const int n : ring.edge) mean += mesh.vertices[idx(n)] / static_cast<double>(ring.edge.size());
+      Vec3& x = moved[v];
+      x = 0.5 * (x + mean);
+      const auto near = points.tree.nearest(x, kNear);
+      const Vec3& normal = points.plane_normals[idx(near.front().point)];
+      double height = 0.0;
+      for (const auto& n : near) {
+        height += normal.dot(points.tree.points()[idx(n.point)] - x) / static_cast<double>(near.size());
+      }
+      x += height * normal;
+    }
+    mesh.vertices = std::move(moved);
+  }
+}
+
+}  // namespace
+
+QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
+  return part_along(closed, points, reach, [](const Vec3&) { return true; });
+}
+
+std::vector<RimCurve> rims_around(const QuadMesh& closed, const OpenPoints& points, double reach) {
   const QuadMesh open = open_part(closed, points, reach);
+  const QuadTopology topology = quad_topology(static_cast<int>(open.vertices.size()), open.quads, Border::allowed);
+  std::vector<std::vector<Vec3>> starts;
+  for (const std::vector<int>& loop : border_loops(topology)) {
+    std::vector<Vec3>& start = starts.emplace_back();
+    for (const int v : loop) start.push_back(open.vertices[idx(v)]);
+  }
+  return rim_curves(starts, rim_of(points.tree, points.plane_normals));
+}
+
+QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
+                          double reach) {
+  if (rims.empty()) throw BadData("open surface (rim): the points end nowhere");
+  const RimLocator locator(rims);
+  QuadMesh open = part_along(closed, points, reach, [&](const Vec3& x) {
+    const RimLocator::Place on = locator.nearest(x);
+    return on.outward.dot(x - on.x) < 0.0;
+  });
+  const QuadTopology topology = quad_topology(static_cast<int>(open.vertices.size()), open.quads, Border::allowed);
+  lay_borders(topology, rims, open);
+  spread(topology, points, open);
+  return open;
+}
+
+std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points,
+                                                   const std::vector<RimCurve>& rims, double reach) {
+  const QuadMesh open = open_part_within(closed, points, rims, reach);
   const int count = static_cast<int>(open.vertices.size());
   const PointRows limit = CatmullClarkModel(count, open.quads, {}, Border::allowed).limit_rows();
   Parameters control = parameters_of(compensated(limit, open.vertices));

@@ -5,6 +5,7 @@
 
 #include "pellicle/mesh/point_tree.h"
 #include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/surface/catmull_clark_model.h"
 
 namespace pellicle {
@@ -21,7 +22,16 @@ struct OpenPoints {
 /// and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near the points.
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
 
-/// The Catmull-Clark surface whose control vertices' limits are the vertices of open_part.
-std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points, double reach);
+/// The smooth curves along the rims of the points, one a border of open_part.
+std::vector<RimCurve> rims_around(const QuadMesh& closed, const OpenPoints& points, double reach);
+
+/// The same part without what lies beyond the rims, its borders laid on them, evenly; the vertices between are spread
+/// along the points. Steps as of voxels leave no trace.
+QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
+                          double reach);
+
+/// The Catmull-Clark surface whose control vertices' limits are the vertices of open_part_within.
+std::pair<CatmullClarkModel, Parameters> open_seed(const QuadMesh& closed, const OpenPoints& points,
+                                                   const std::vector<RimCurve>& rims, double reach);
 
 }  // namespace pellicle

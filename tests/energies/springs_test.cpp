@@ -157,27 +157,6 @@ TEST(OvershootRows, PullBackWhatIsBeyondThePointsAndSpareHoles) {
   EXPECT_EQ(overshoot_rows(surface_samples(outer), area, PointTree(open), 0.5, 1.0).size(), 0U);
 }
 
-TEST(ReturnRows, PullACapBeyondTheRimAlongTheSurface) {
-  const Samples ball = test::sphere_samples(3, 6.0);
-  std::vector<Vec3> open = ball.x;
-  std::erase_if(open, [](const Vec3& x) { return x.z() > 4.0; });
-  const PointTree tree(open);
-  const std::vector<double> area = sample_areas(ball.layout, ball.x);
-  const ScalarRows rows = return_rows(surface_samples(ball), area, tree, 0.5, 1.0);
-  std::vector<Vec3> back = ball.x;
-  double expected = 0.0;
-  for (std::size_t i = 0; i < back.size(); ++i) {
-    const auto near = tree.nearest(back[i], 1).front();
-    if (near.distance <= 0.5) continue;
-    EXPECT_GT(back[i].z(), 4.0);
-    expected += area[i] / sum(area) * near.distance * near.distance;
-    back[i] = open[static_cast<std::size_t>(near.point)];
-  }
-  EXPECT_GT(expected, 0.0);
-  EXPECT_NEAR(energy_of(rows, ball.x), expected, 1e-9);
-  EXPECT_NEAR(energy_of(rows, back), 0.0, 1e-12);
-}
-
 TEST(TukeyWeights, AreOneAtHomeAndNothingFarOff) {
   std::vector<double> distances(100, 0.1);
   distances.push_back(50.0);

@@ -32,7 +32,7 @@ TEST(PlaneNormals, AreThoseOfTheSphere) {
 TEST(RimOf, IsAllAroundTheMouthAndNowhereElse) {
   for (const double lowest : {0.0, 0.5}) {
     const PointTree tree(cap(1500, lowest));
-    const std::vector<Vec3> rim = rim_of(tree, plane_normals(tree));
+    const std::vector<Vec3> rim = rim_of(tree, plane_normals(tree)).x;
     std::array<int, 12> sectors{};
     for (const Vec3& x : rim) {
       // Points are 0.065 apart (0.046 on the smaller cap) and at random: rims are a few points wide.
@@ -45,7 +45,7 @@ TEST(RimOf, IsAllAroundTheMouthAndNowhereElse) {
 
 TEST(RimOf, ClosedSurfacesHaveNone) {
   const PointTree tree(cap(3000, -1.0));
-  EXPECT_EQ(rim_of(tree, plane_normals(tree)).size(), 0U);
+  EXPECT_EQ(rim_of(tree, plane_normals(tree)).x.size(), 0U);
 }
 
 }  // namespace
