@@ -1,5 +1,5 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, unseeded, brain, sarcoma,
-// organs, hippocampus, shapes, orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default:
+// organs, hippocampus, open, shapes, orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default:
 // all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the
 // brain).
 
@@ -75,6 +75,7 @@ int main(int argc, char** argv) try {
       {"sarcoma", sarcoma_table},
       {"organs", organ_table},
       {"hippocampus", hippocampus_table},
+      {"open", open_table},
       {"shapes", shape_table},
       {"orders", storage_order_table},
       {"speed", speed_table},

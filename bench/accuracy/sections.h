@@ -29,6 +29,7 @@ void brain_table(const Options& options);
 void sarcoma_table(const Options& options);
 void organ_table(const Options& options);
 void hippocampus_table(const Options& options);
+void open_table(const Options& options);
 void shape_table(const Options& options);
 void storage_order_table(const Options& options);
 void speed_table(const Options& options);

@@ -2,6 +2,7 @@
 /// What a mesh measures, and whether it is a proper surface.
 
 #include <cstddef>
+#include <array>
 #include <string>
 
 #include "pellicle/mesh/triangle_mesh.h"
@@ -34,6 +35,9 @@ struct MeshTopology {
   std::string first_fault;  ///< e.g. "edge 12-57 has 3 facets"; empty when all is well
 };
 MeshTopology topology_of(const TriangleMesh& mesh);
+
+/// The rings of open edges of manifold, oriented facets: vertices in order, the surface to the left.
+std::vector<std::vector<int>> border_loops(const std::vector<std::array<int, 3>>& triangles);
 
 /// Pairs of facets that meet where they should not: without a common vertex, in any point; with one common vertex, in
 /// another point too. Pairs that share an edge are neighbours and never count. Vertices are the same when their

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <numeric>
 
 #include "pellicle/base/errors.h"
@@ -178,6 +179,30 @@ void require_closed(const TriangleMesh& mesh, const std::string& what) {
     }
     i = end;
   }
+}
+
+std::vector<std::vector<int>> border_loops(const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::pair<int, int>> sides;
+  sides.reserve(3 * triangles.size());
+  for (const auto& t : triangles) {
+    for (std::size_t c = 0; c < 3; ++c) sides.emplace_back(t[c], t[(c + 1) % 3]);
+  }
+  std::sort(sides.begin(), sides.end());
+  std::map<int, int> after;
+  for (const auto& [a, b] : sides) {
+    if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) after[a] = b;
+  }
+  std::vector<std::vector<int>> loops;
+  while (!after.empty()) {
+    std::vector<int>& loop = loops.emplace_back();
+    for (auto at = after.begin(); at != after.end();) {
+      const int next = at->second;
+      loop.push_back(at->first);
+      after.erase(at);
+      at = after.find(next);
+    }
+  }
+  return loops;
 }
 
 }  // namespace pellicle

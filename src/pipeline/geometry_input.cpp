@@ -15,13 +15,11 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/mesh_file.h"
 #include "pellicle/mesh/point_tree.h"
-#include "pellicle/mesh/rim.h"
 #include "pellicle/pipeline/seeding.h"
 #include "pellicle/raster/closed_solid.h"
 #include "pellicle/raster/cup.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/open_seed.h"
-#include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -30,7 +28,6 @@ namespace {
 
 constexpr int kMeshSamples = 40000;
 constexpr std::size_t kLeastPoints = 10;
-constexpr double kRimVoxel = 4.0;  ///< of the points' typical distance: fine enough to see their mouths
 
 bool is_mesh_file(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -73,9 +70,7 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
   } catch (const BadData& fault) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
   }
-  const double spacing = std::min(coarsest_spacing(input.body), kRimVoxel * point_spacing(tree));
-  const VoxelSeed voxels = voxel_seed_of_mask(input.body, spacing);
-  input.data.rim = rims_around(voxels.mesh, {tree, plane_normals(tree)}, voxels.spacing_mm);
+  input.data.rim = rims_of(input.body, {tree, plane_normals(tree)});
   if (input.data.rim.empty()) {
     throw BadData(fmt::format("no rim ({}): its points end nowhere; leave --open out for a closed surface", name));
   }

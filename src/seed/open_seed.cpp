@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/seed/seed_surface.h"
+#include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
 namespace {
@@ -193,21 +196,6 @@ QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, double rea
   return open;
 }
 
-// Border vertices in order, the surface to the left.
-std::vector<std::vector<int>> border_loops(const QuadTopology& topology) {
-  std::vector<std::vector<int>> loops;
-  std::vector<bool> seen(topology.rings.size(), false);
-  for (int start = 0; start < topology.vertex_count(); ++start) {
-    std::vector<int> loop;
-    for (int v = start; !topology.rings[idx(v)].closed && !seen[idx(v)]; v = topology.rings[idx(v)].edge.front()) {
-      seen[idx(v)] = true;
-      loop.push_back(v);
-    }
-    if (!loop.empty()) loops.push_back(std::move(loop));
-  }
-  return loops;
-}
-
 // Shares of a closed curve that go round once as the loop does, drawn to even steps.
 std::vector<double> even_shares(const std::vector<double>& nearest) {
   constexpr int kSweeps = 30;
@@ -228,9 +216,9 @@ std::vector<double> even_shares(const std::vector<double>& nearest) {
   return share;
 }
 
-void lay_borders(const QuadTopology& topology, const std::vector<RimCurve>& rims, QuadMesh& mesh) {
+void lay_borders(const std::vector<RimCurve>& rims, QuadMesh& mesh) {
   const RimLocator locator(rims);
-  for (const std::vector<int>& loop : border_loops(topology)) {
+  for (const std::vector<int>& loop : border_loops(split_quads(mesh).triangles)) {
     std::vector<int> votes(rims.size(), 0);
     for (const int v : loop) ++votes[idx(locator.nearest(mesh.vertices[idx(v)]).curve)];
     const auto c = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
@@ -250,8 +238,9 @@ void lay_borders(const QuadTopology& topology, const std::vector<RimCurve>& rims
 }
 
 // Vertices inside move to the mean of their neighbours and then onto the planes through the points near them.
-void spread(const QuadTopology& topology, const OpenPoints& points, QuadMesh& mesh) {
+void spread(const OpenPoints& points, QuadMesh& mesh) {
   constexpr int kSweeps = 40, kNear = 6;
+  const QuadTopology topology = quad_topology(static_cast<int>(mesh.vertices.size()), mesh.quads, Border::allowed);
   for (int k = 0; k < kSweeps; ++k) {
     std::vector<Vec3> moved = mesh.vertices;
     for (std::size_t v = 0; v < moved.size(); ++v) {
@@ -273,21 +262,54 @@ void spread(const QuadTopology& topology, const OpenPoints& points, QuadMesh& me
   }
 }
 
+std::vector<std::vector<Vec3>> borders_of(const QuadMesh& open) {
+  std::vector<std::vector<Vec3>> borders;
+  for (const std::vector<int>& loop : border_loops(split_quads(open).triangles)) {
+    std::vector<Vec3>& border = borders.emplace_back();
+    for (const int v : loop) border.push_back(open.vertices[idx(v)]);
+  }
+  return borders;
+}
+
+// Mean distance of the points from the curves, and of the curves from the points, mm.
+double distance_between(const std::vector<RimCurve>& curves, const RimPoints& rim) {
+  const RimLocator on(curves);
+  const PointTree tree(rim.x);
+  double there = 0.0, back = 0.0, samples = 0.0;
+  for (const Vec3& x : rim.x) there += on.nearest(x).distance / static_cast<double>(rim.x.size());
+  for (const RimCurve& curve : curves) {
+    for (const Vec3& x : curve.x) back += tree.nearest(x, 1).front().distance;
+    samples += static_cast<double>(curve.x.size());
+  }
+  return there + back / samples;
+}
+
 }  // namespace
 
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
   return part_along(closed, points, reach, [](const Vec3&) { return true; });
 }
 
-std::vector<RimCurve> rims_around(const QuadMesh& closed, const OpenPoints& points, double reach) {
-  const QuadMesh open = open_part(closed, points, reach);
-  const QuadTopology topology = quad_topology(static_cast<int>(open.vertices.size()), open.quads, Border::allowed);
-  std::vector<std::vector<Vec3>> starts;
-  for (const std::vector<int>& loop : border_loops(topology)) {
-    std::vector<Vec3>& start = starts.emplace_back();
-    for (const int v : loop) start.push_back(open.vertices[idx(v)]);
+std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points) {
+  constexpr int kGrids = 5;
+  const RimPoints rim = rim_of(points.tree, points.plane_normals);
+  std::vector<RimCurve> best;
+  double least = 0.0, spacing = coarsest_spacing(body);
+  for (int k = 0; k < kGrids; ++k, spacing /= std::numbers::sqrt2) {
+    std::vector<RimCurve> curves;
+    try {
+      const VoxelSeed voxels = voxel_seed_of_mask(body, spacing);
+      curves = rim_curves(borders_of(open_part(voxels.mesh, points, voxels.spacing_mm)), rim);
+    } catch (const BadData&) {
+      continue;  // a grid that shows no part along the points
+    }
+    if (curves.empty()) continue;
+    const double here = distance_between(curves, rim);
+    if (!best.empty() && here >= least) continue;
+    least = here;
+    best = std::move(curves);
   }
-  return rim_curves(starts, rim_of(points.tree, points.plane_normals));
+  return best;
 }
 
 QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
@@ -298,9 +320,8 @@ QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, cons
     const RimLocator::Place on = locator.nearest(x);
     return on.outward.dot(x - on.x) < 0.0;
   });
-  const QuadTopology topology = quad_topology(static_cast<int>(open.vertices.size()), open.quads, Border::allowed);
-  lay_borders(topology, rims, open);
-  spread(topology, points, open);
+  lay_borders(rims, open);
+  spread(points, open);
   return open;
 }
 

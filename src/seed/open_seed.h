@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "pellicle/image/image.h"
 #include "pellicle/mesh/point_tree.h"
 #include "pellicle/mesh/quad_mesh.h"
 #include "pellicle/mesh/rim.h"
@@ -22,8 +23,10 @@ struct OpenPoints {
 /// and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near the points.
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
 
-/// The smooth curves along the rims of the points, one a border of open_part.
-std::vector<RimCurve> rims_around(const QuadMesh& closed, const OpenPoints& points, double reach);
+/// The smooth curves along the rims of the points, one a border of open_part: of five grids over the body (each finer by
+/// a root of two) the one whose curves and rim points lie nearest to each other. Empty: the points end nowhere.
+/// \param body the points filled up to their mouths (raster/cup.h).
+std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points);
 
 /// The same part without what lies beyond the rims, its borders laid on them, evenly; the vertices between are spread
 /// along the points. Steps as of voxels leave no trace.

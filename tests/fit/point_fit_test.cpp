@@ -227,8 +227,9 @@ TEST(FitFrom, AnOpenSurfaceEndsAtTheRim) {
   GeometryData data = cloud_of(points);
   const PointTree tree(points);
   const std::vector<Vec3> normals = plane_normals(tree);
-  const VoxelSeed voxels = voxel_seed_of_mask(filled_cup(points, point_spacing(tree)), 4.0);
-  data.rim = rims_around(voxels.mesh, {tree, normals}, voxels.spacing_mm);
+  const Image<std::uint8_t> body = filled_cup(points, point_spacing(tree));
+  const VoxelSeed voxels = voxel_seed_of_mask(body, 4.0);
+  data.rim = rims_of(body, {tree, normals});
   auto [model, parameters] = open_seed(voxels.mesh, {tree, normals}, data.rim, voxels.spacing_mm);
   PointFit fit = fit_from({std::move(model), std::move(parameters)}, data, few_steps(data), false);
   measure_fit(data, fit);
