@@ -11,6 +11,7 @@
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/pipeline/fit_points.h"
 #include "sections.h"
 
@@ -57,7 +58,9 @@ std::vector<Vec3> rim_at(const OpenShape& shape, double s) {
 std::vector<Vec3> strewn(const OpenShape& shape, double noise, RandomEngine& random) {
   const auto area = [&](double s, double a) {
     constexpr double kStep = 1e-5;
-    return ((shape.at(s + kStep, a) - shape.at(s, a)) / kStep).cross((shape.at(s, a + kStep) - shape.at(s, a)) / kStep).norm();
+    return ((shape.at(s + kStep, a) - shape.at(s, a)) / kStep)
+        .cross((shape.at(s, a + kStep) - shape.at(s, a)) / kStep)
+        .norm();
   };
   double largest = 0.0;
   for (int i = 0; i < kAlong; ++i) {
@@ -75,8 +78,7 @@ std::vector<Vec3> strewn(const OpenShape& shape, double noise, RandomEngine& ran
 /// Sum of the angles by which a closed polyline turns, over 2 pi: 1 for a plane convex curve; waves add to it.
 double turning_of(const std::vector<Vec3>& loop) {
   constexpr std::size_t kSides = 200;
-  std::vector<Vec3> corner;
-  for (std::size_t k = 0; k < kSides; ++k) corner.push_back(loop[k * loop.size() / kSides]);
+  const std::vector<Vec3> corner = evenly_along(loop, kSides);
   double sum = 0.0;
   for (std::size_t k = 0; k < kSides; ++k) {
     const Vec3 before = corner[(k + 1) % kSides] - corner[k],
@@ -92,9 +94,11 @@ void open_table(const Options& options) {
   fmt::print(
       "\n## Open surfaces (rms, max: points to surface; rim: the border from the true rim, rms and max; % of the "
       "diameter; turning: sum of the border's angles over that of the true rim)\n\n"
-      "| shape | noise % | draw | control points | rms | max | rim rms | rim max | turning | borders found / true | cuts "
+      "| shape | noise % | draw | control points | rms | max | rim rms | rim max | turning | borders found / true | "
+      "cuts "
       "| status | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const OpenShape& shape : shapes()) {
+    if (std::string(shape.name).find(options.only) != 0) continue;
     std::vector<Vec3> rim = rim_at(shape, 1.0);
     double true_turning = turning_of(rim);
     if (shape.rims == 2) {
@@ -114,7 +118,7 @@ void open_table(const Options& options) {
         GeometryFitSettings settings;
         settings.model.kind = ModelKind::catmull_clark;
         settings.open = true;
-        settings.input = (options.scratch / "open.xyz").string();
+        settings.input = (options.scratch / fmt::format("open-{}-{}.xyz", 1000.0 * noise, draw + 1)).string();
         settings.output = options.scratch;
         settings.overwrite = true;
         settings.write = {"report"};

@@ -53,7 +53,7 @@ std::vector<Vec3> plane_normals(const PointTree& tree) {
 
 RimPoints rim_of(const PointTree& tree, const std::vector<Vec3>& normals) {
   constexpr int kNeighbours = 24;
-  constexpr double kGap = 0.8 * std::numbers::pi;
+  constexpr double kGap = 0.75 * std::numbers::pi;
   const std::vector<Vec3>& points = tree.points();
   std::vector<std::uint8_t> candidate(points.size());
   parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {

@@ -31,10 +31,14 @@ struct RimCurve {
 };
 
 /// Least squares by a periodic cubic B-spline, coarse to fine, of as many control points as the points give ground for
-/// (Schwarz's criterion). The points of a rim lie inside of it: those beyond the curve count 20 times as much, so it
-/// runs along the outermost; points far off count for nothing. Every point belongs to the curve whose start is nearest.
-/// \param starts closed polylines near the rims. Curves without points of their own are left out.
+/// (Schwarz's criterion; far points count less). The points of a rim lie inside of it: at last those beyond the curve
+/// count 20 times as much, so it runs along the outermost, and points far off count for nothing. Every point belongs to
+/// the curve whose start is nearest. \param starts closed polylines near the rims. Curves with fewer than 12 points of
+/// their own are left out.
 std::vector<RimCurve> rim_curves(const std::vector<std::vector<Vec3>>& starts, const RimPoints& rim);
+
+/// Places at even shares of the length of a closed polyline.
+std::vector<Vec3> evenly_along(const std::vector<Vec3>& loop, int count);
 
 /// The nearest place of some curves.
 class RimLocator {

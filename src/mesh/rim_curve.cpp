@@ -14,29 +14,10 @@ constexpr int kFewestPoints = 12;    ///< of a rim: fewer tell no curve
 constexpr int kPointsAControl = 4;   ///< or more
 constexpr int kSteps = 8;            ///< of attaching anew, a number of control points
 constexpr double kInside = 0.05;     ///< weight of points that lie inside of the curve
-constexpr double kCutoff = 5.0;      ///< robust deviations: points further off count for nothing
 constexpr double kStiffness = 1e-4;  ///< second differences of the control points, where no point is
 
 std::size_t idx(int i) {
   return static_cast<std::size_t>(i);
-}
-
-// Places at even shares of the length of a closed polyline.
-std::vector<Vec3> resampled(const std::vector<Vec3>& loop, int count) {
-  std::vector<double> until{0.0};
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    until.push_back(until.back() + (loop[(i + 1) % loop.size()] - loop[i]).norm());
-  }
-  std::vector<Vec3> out;
-  std::size_t at = 0;
-  for (int k = 0; k < count; ++k) {
-    const double s = until.back() * k / count;
-    while (at + 1 < loop.size() && until[at + 1] <= s) ++at;
-    const double length = until[at + 1] - until[at];
-    const double share = length > 0.0 ? (s - until[at]) / length : 0.0;
-    out.emplace_back(loop[at] + share * (loop[(at + 1) % loop.size()] - loop[at]));
-  }
-  return out;
 }
 
 /// Weights of four control points, the first of number floor(u) (periodic), at u of a uniform cubic B-spline.
@@ -64,15 +45,23 @@ Attached attached(const std::vector<Vec3>& curve, const RimPoints& rim) {
   return out;
 }
 
-std::vector<double> weights_of(const Attached& at) {
+/// Through the middle of the points, far ones counting less (Huber); along the outermost, without far ones (Tukey).
+enum class Run { through, along_outermost };
+
+std::vector<double> weights_of(const Attached& at, Run run) {
+  constexpr double kPlausible = 2.0, kCutoff = 5.0;  // robust deviations
   std::vector<double> sorted = at.distance;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double far = kCutoff * 1.4826 * *middle;
+  const double deviation = std::max(1.4826 * *middle, 1e-300);
   std::vector<double> weights;
   for (std::size_t k = 0; k < at.distance.size(); ++k) {
-    const double r = far > 0.0 ? at.distance[k] / far : 0.0;
-    weights.push_back(r < 1.0 ? std::pow(1.0 - r * r, 2) * (at.beyond[k] > 0.0 ? 1.0 : kInside) : 0.0);
+    const double r = at.distance[k] / deviation, cut = r / kCutoff;
+    if (run == Run::through) {
+      weights.push_back(r > kPlausible ? kPlausible / r : 1.0);
+    } else {
+      weights.push_back(cut < 1.0 ? std::pow(1.0 - cut * cut, 2) * (at.beyond[k] > 0.0 ? 1.0 : kInside) : 0.0);
+    }
   }
   return weights;
 }
@@ -92,9 +81,9 @@ std::vector<Vec3> curve_of(const Eigen::MatrixX3d& control) {
 }
 
 // One step of least squares; the curve's parameter of each point is held.
-std::vector<Vec3> step(const std::vector<Vec3>& curve, const RimPoints& rim, int controls) {
+std::vector<Vec3> step(const std::vector<Vec3>& curve, const RimPoints& rim, int controls, Run run) {
   const Attached at = attached(curve, rim);
-  const std::vector<double> weights = weights_of(at);
+  const std::vector<double> weights = weights_of(at, run);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(controls, controls);
   Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(controls, 3);
   double total = 0.0;
@@ -118,17 +107,14 @@ std::vector<Vec3> step(const std::vector<Vec3>& curve, const RimPoints& rim, int
   return curve_of(normal.ldlt().solve(right));
 }
 
-// n ln(mean squared distance) + m ln(n), n points and m control points.
+// Schwarz's criterion of distances that fall off as exp(-|d|): 2 n ln(mean distance) + m ln(n), n points and m control
+// points. Unlike one of squares, it compares fits that have points far off with those that have not.
 double schwarz(const std::vector<Vec3>& curve, const RimPoints& rim, int controls) {
   const Attached at = attached(curve, rim);
-  const std::vector<double> weights = weights_of(at);
-  double squares = 0.0, total = 0.0;
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    squares += weights[k] * at.distance[k] * at.distance[k];
-    total += weights[k];
-  }
   const auto n = static_cast<double>(rim.x.size());
-  return n * std::log(std::max(squares / total, 1e-300)) + controls * std::log(n);
+  double mean = 0.0;
+  for (const double d : at.distance) mean += d / n;
+  return 2.0 * n * std::log(std::max(mean, 1e-300)) + controls * std::log(n);
 }
 
 RimCurve described(std::vector<Vec3> x, const RimPoints& rim) {
@@ -148,25 +134,49 @@ RimCurve described(std::vector<Vec3> x, const RimPoints& rim) {
 }
 
 RimCurve rim_curve(const std::vector<Vec3>& start, const RimPoints& rim) {
-  std::vector<Vec3> curve = resampled(start, kSamples), best;
+  const auto fitted = [&](std::vector<Vec3> curve, int controls, Run run) {
+    for (int k = 0; k < kSteps; ++k) curve = evenly_along(step(curve, rim, controls, run), kSamples);
+    return curve;
+  };
+  std::vector<Vec3> curve = evenly_along(start, kSamples), best;
   double least = 0.0;
+  int chosen = 0;
   for (int controls = 6; controls * kPointsAControl <= static_cast<int>(rim.x.size()) || best.empty(); controls *= 2) {
-    for (int k = 0; k < kSteps; ++k) curve = resampled(step(curve, rim, controls), kSamples);
+    curve = fitted(std::move(curve), controls, Run::through);
     const double here = schwarz(curve, rim, controls);
-    if (!best.empty() && here >= least) break;
+    if (!best.empty() && here >= least) continue;
     least = here;
     best = curve;
+    chosen = controls;
   }
+  best = fitted(std::move(best), chosen, Run::along_outermost);
   return described(std::move(best), rim);
 }
 
 }  // namespace
 
+std::vector<Vec3> evenly_along(const std::vector<Vec3>& loop, int count) {
+  std::vector<double> until{0.0};
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    until.push_back(until.back() + (loop[(i + 1) % loop.size()] - loop[i]).norm());
+  }
+  std::vector<Vec3> out;
+  std::size_t at = 0;
+  for (int k = 0; k < count; ++k) {
+    const double s = until.back() * k / count;
+    while (at + 1 < loop.size() && until[at + 1] <= s) ++at;
+    const double length = until[at + 1] - until[at];
+    const double share = length > 0.0 ? (s - until[at]) / length : 0.0;
+    out.emplace_back(loop[at] + share * (loop[(at + 1) % loop.size()] - loop[at]));
+  }
+  return out;
+}
+
 std::vector<RimCurve> rim_curves(const std::vector<std::vector<Vec3>>& starts, const RimPoints& rim) {
   std::vector<Vec3> all;
   std::vector<std::size_t> owner;
   for (std::size_t s = 0; s < starts.size(); ++s) {
-    for (const Vec3& x : resampled(starts[s], kSamples)) {
+    for (const Vec3& x : evenly_along(starts[s], kSamples)) {
       all.push_back(x);
       owner.push_back(s);
     }

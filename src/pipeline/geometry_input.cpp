@@ -62,17 +62,21 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, std::size_t most) {
   return out;
 }
 
-// Data that end: their rim, and a body filled up to the mouth.
+// Data that end: their rim, and a body that is closed there by lids. A rough body tells the rim.
 void take_rim(const std::string& name, const std::vector<Vec3>& points, GeometryInput& input) {
   const PointTree tree(points);
+  const double spacing = point_spacing(tree);
   try {
-    input.body = filled_cup(points, point_spacing(tree));
+    input.body = filled_cup(points, spacing);
+    input.data.rim = rims_of(input.body, {tree, plane_normals(tree)});
+    if (input.data.rim.empty()) throw BadData("its points end nowhere; leave --open out for a closed surface");
+    std::vector<Vec3> closed = lids_of(input.data.rim, spacing);
+    closed.insert(closed.end(), points.begin(), points.end());
+    ClosedSolid solid = solid_of_points(closed, spacing);
+    input.body = std::move(solid.as_given);
+    input.genus = solid.genus_as_given;
   } catch (const BadData& fault) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
-  }
-  input.data.rim = rims_of(input.body, {tree, plane_normals(tree)});
-  if (input.data.rim.empty()) {
-    throw BadData(fmt::format("no rim ({}): its points end nowhere; leave --open out for a closed surface", name));
   }
 }
 

@@ -172,11 +172,14 @@ class Part {
   std::map<int, std::vector<int>> around_;      ///< quads at a vertex
 };
 
-// The quads that lie along the points, and of those the ones that are not beyond a rim.
-template <class Within>
-QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, double reach, const Within& within) {
+// The quads that lie along the points. What is nearer to a lid is none of them.
+QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, const std::vector<Vec3>& lids, double reach) {
   constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
   const QuadMesh smooth{smoothed_vertices(closed, kSmoothings), closed.quads};
+  const PointTree lid(lids);
+  const auto is_lid = [&](const Vec3& x, double from_points) {
+    return !lids.empty() && lid.nearest(x, 1).front().distance < from_points;
+  };
   std::vector<bool> kept;
   kept.reserve(smooth.quads.size());
   for (const Quad& quad : smooth.quads) {
@@ -185,7 +188,7 @@ QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, double rea
     const Vec3 normal = (at(2) - at(0)).cross(at(3) - at(1)).normalized();
     const auto near = points.tree.nearest(centre, 1).front();
     const Vec3& plane = points.plane_normals[static_cast<std::size_t>(near.point)];
-    kept.push_back(near.distance <= reach && std::abs(normal.dot(plane)) >= kAlong && within(centre));
+    kept.push_back(near.distance <= reach && std::abs(normal.dot(plane)) >= kAlong && !is_lid(centre, near.distance));
   }
   Part part(smooth, std::move(kept));
   part.fill_small_holes();
@@ -287,7 +290,7 @@ double distance_between(const std::vector<RimCurve>& curves, const RimPoints& ri
 }  // namespace
 
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach) {
-  return part_along(closed, points, reach, [](const Vec3&) { return true; });
+  return part_along(closed, points, {}, reach);
 }
 
 std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points) {
@@ -312,14 +315,23 @@ std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints&
   return best;
 }
 
+std::vector<Vec3> lids_of(const std::vector<RimCurve>& rims, double spacing) {
+  std::vector<Vec3> lids;
+  for (const RimCurve& rim : rims) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& x : rim.x) middle += x / static_cast<double>(rim.x.size());
+    for (std::size_t k = 0; k < rim.x.size(); ++k) {
+      const Vec3 in = middle - rim.x[k];
+      for (double s = spacing; s < in.norm(); s += spacing) lids.emplace_back(rim.x[k] + s * in.normalized());
+    }
+  }
+  return lids;
+}
+
 QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
                           double reach) {
   if (rims.empty()) throw BadData("open surface (rim): the points end nowhere");
-  const RimLocator locator(rims);
-  QuadMesh open = part_along(closed, points, reach, [&](const Vec3& x) {
-    const RimLocator::Place on = locator.nearest(x);
-    return on.outward.dot(x - on.x) < 0.0;
-  });
+  QuadMesh open = part_along(closed, points, lids_of(rims, point_spacing(points.tree)), reach);
   lay_borders(rims, open);
   spread(points, open);
   return open;

@@ -28,8 +28,11 @@ QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reac
 /// \param body the points filled up to their mouths (raster/cup.h).
 std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points);
 
-/// The same part without what lies beyond the rims, its borders laid on them, evenly; the vertices between are spread
-/// along the points. Steps as of voxels leave no trace.
+/// Points that close the mouths: on lines from the rims to their middles, `spacing` mm apart and from the rims.
+std::vector<Vec3> lids_of(const std::vector<RimCurve>& rims, double spacing);
+
+/// The same part without what is nearer to the lids, its borders laid on the rims, evenly; the vertices between are
+/// spread along the points. Steps as of voxels leave no trace.
 QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
                           double reach);
 

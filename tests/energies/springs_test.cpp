@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <numbers>
+
+#include "pellicle/energies/rim_springs.h"
 #include "pellicle/mesh/point_tree.h"
 #include "test_surfaces.h"
 
@@ -182,6 +185,38 @@ TEST(TargetRows, AreTheMeanSquaredDistance) {
   std::vector<Vec3> targets = s.x;
   for (Vec3& t : targets) t += Vec3(0.3, -0.4, 0.0);
   EXPECT_NEAR(energy_of(target_rows(targets, sample_areas(s.layout, s.x), 2.0), s.x), 2.0 * 0.25, 1e-9);
+}
+
+TEST(RimSprings, MeasureTheWayToTheCurveAndLetSamplesSlide) {
+  constexpr int kAround = 48;
+  RimCurve circle;  // of radius 5
+  for (int k = 0; k < 720; ++k) {
+    const double a = k * std::numbers::pi / 360;
+    circle.x.emplace_back(5 * std::cos(a), 5 * std::sin(a), 0);
+    circle.tangent.emplace_back(-std::sin(a), std::cos(a), 0);
+    circle.outward.emplace_back(std::cos(a), std::sin(a), 0);
+  }
+  const RimLocator rim({circle});
+  SampleLayout disc;
+  for (int k = 1; k <= kAround; ++k) disc.triangles.push_back({0, k, k % kAround + 1});
+  const auto placed = [&](double radius, double height, double turned) {
+    SurfaceSamples samples;
+    samples.x.emplace_back(0, 0, 0);
+    for (int k = 0; k < kAround; ++k) {
+      const double a = turned + 2 * k * std::numbers::pi / kAround;
+      samples.x.emplace_back(radius * std::cos(a), radius * std::sin(a), height);
+    }
+    return samples;
+  };
+  const SurfaceSamples off = placed(6.0, 0.5, 0.001);
+  const ScalarRows rows = rim_spring_rows(disc, off, rim, 3.0, 2.0);
+  EXPECT_EQ(rows.size(), 2U * kAround);
+  EXPECT_NEAR(energy_of(rows, off.x), 2.0 * (1.0 + 0.25), 0.01);
+  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.001).x), 0.0, 1e-4);
+  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.03).x), 0.0, 1e-4);  // slid along
+  EXPECT_EQ(rim_spring_rows(disc, off, rim, 1.0, 2.0).size(), 0U);    // out of reach
+  const Samples ball = test::sphere_samples(2, 5.0);
+  EXPECT_EQ(rim_spring_rows(ball.layout, surface_samples(ball), rim, 99.0, 1.0).size(), 0U);
 }
 
 }  // namespace

@@ -198,5 +198,17 @@ TEST(SelfIntersection, FoldsAreFound) {
   EXPECT_EQ(self_intersection_count(fan), 1U);
 }
 
+TEST(BorderLoops, AStripAroundHasTwoAndTheSurfaceToTheLeft) {
+  std::vector<std::array<int, 3>> triangles;  // 0 .. 7 below, 8 .. 15 above, counter-clockwise from outside
+  for (int k = 0; k < 8; ++k) {
+    const int next = (k + 1) % 8;
+    triangles.push_back({k, next, 8 + next});
+    triangles.push_back({k, 8 + next, 8 + k});
+  }
+  EXPECT_THAT(border_loops(triangles), testing::ElementsAre(testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7),
+                                                            testing::ElementsAre(8, 15, 14, 13, 12, 11, 10, 9)));
+  EXPECT_TRUE(border_loops({{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}).empty());
+}
+
 }  // namespace
 }  // namespace pellicle

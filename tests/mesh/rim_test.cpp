@@ -48,5 +48,87 @@ TEST(RimOf, ClosedSurfacesHaveNone) {
   EXPECT_EQ(rim_of(tree, plane_normals(tree)).x.size(), 0U);
 }
 
+TEST(RimOf, OutwardLeadsAwayFromThePoints) {
+  const PointTree tree(cap(1500, 0.5));
+  const RimPoints rim = rim_of(tree, plane_normals(tree));
+  ASSERT_EQ(rim.x.size(), rim.outward.size());
+  for (std::size_t i = 0; i < rim.x.size(); ++i) {
+    EXPECT_NEAR(rim.outward[i].norm(), 1.0, 1e-9);
+    EXPECT_LE(std::abs(rim.outward[i].dot(rim.x[i])), 0.3);
+    EXPECT_LE(rim.outward[i].z(), -0.3);  // straight down is -cos(30 degrees)
+  }
+}
+
+/// Angles by which a closed curve turns, over 2 pi.
+double turning_of(const std::vector<Vec3>& x) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Vec3 before = x[(k + 1) % x.size()] - x[k], after = x[(k + 2) % x.size()] - x[(k + 1) % x.size()];
+    sum += std::atan2(before.cross(after).norm(), before.dot(after));
+  }
+  return sum / (2.0 * std::numbers::pi);
+}
+
+TEST(RimCurves, ARoughStartEndsOnTheSmoothRim) {
+  for (const double lowest : {0.0, 0.5}) {
+    const PointTree tree(cap(1500, lowest));
+    const RimPoints rim = rim_of(tree, plane_normals(tree));
+    RandomEngine random(2);
+    std::vector<Vec3> start;
+    for (int k = 0; k < 16; ++k) {
+      const double angle = k * std::numbers::pi / 8, z = lowest + random.uniform(-0.2, 0.2), r = std::sqrt(1.0 - z * z);
+      start.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    }
+    const std::vector<RimCurve> curves = rim_curves({start}, rim);
+    ASSERT_EQ(curves.size(), 1U);
+    EXPECT_EQ(curves[0].points, static_cast<int>(rim.x.size()));
+    const std::vector<Vec3>& x = curves[0].x;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      squares += std::pow(x[k].z() - lowest, 2) / static_cast<double>(x.size());
+      EXPECT_NEAR(x[k].norm(), 1.0, 0.03);
+      EXPECT_NEAR(curves[0].tangent[k].dot(curves[0].outward[k]), 0.0, 1e-9);
+      EXPECT_LE(curves[0].outward[k].z(), -0.3);
+    }
+    EXPECT_LE(std::sqrt(squares), 0.035);  // half of the distance between points
+    EXPECT_LE(turning_of(x), 1.1);
+  }
+}
+
+TEST(RimCurves, PointsFarOffCountForNothing) {
+  const PointTree tree(cap(1500, 0.0));
+  RimPoints rim = rim_of(tree, plane_normals(tree));
+  std::vector<Vec3> start;
+  for (int k = 0; k < 16; ++k)
+    start.emplace_back(std::cos(k * std::numbers::pi / 8), std::sin(k * std::numbers::pi / 8), 0.1);
+  const std::vector<Vec3> before = rim_curves({start}, rim)[0].x;
+  rim.x.emplace_back(0.6, 0.0, -0.8);
+  rim.outward.emplace_back(0.8, 0.0, -0.6);
+  const std::vector<Vec3> after = rim_curves({start}, rim)[0].x;
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_NEAR((before[k] - after[k]).norm(), 0.0, 0.01);
+}
+
+TEST(RimCurves, EachRimOfATubeHasItsOwn) {
+  std::vector<std::vector<Vec3>> starts;
+  RimPoints rim;
+  for (const double z : {-1.0, 1.0}) {
+    std::vector<Vec3>& start = starts.emplace_back();
+    for (int k = 0; k < 60; ++k) {
+      const double angle = k * std::numbers::pi / 30;
+      if (k % 6 == 0) start.emplace_back(1.2 * std::cos(angle), 1.2 * std::sin(angle), 0.7 * z);
+      rim.x.emplace_back(std::cos(angle), std::sin(angle), z);
+      rim.outward.emplace_back(0.0, 0.0, z);
+    }
+  }
+  const std::vector<RimCurve> curves = rim_curves(starts, rim);
+  ASSERT_EQ(curves.size(), 2U);
+  const RimLocator locator(curves);
+  const RimLocator::Place place = locator.nearest({2.0, 0.0, 1.1});
+  EXPECT_EQ(place.curve, 1);
+  EXPECT_NEAR((place.x - Vec3(1, 0, 1)).norm(), 0.0, 0.01);
+  EXPECT_NEAR(std::abs(place.tangent.y()), 1.0, 1e-3);
+  EXPECT_NEAR(place.outward.z(), 1.0, 1e-3);
+}
+
 }  // namespace
 }  // namespace pellicle

@@ -73,6 +73,43 @@ TEST(OpenPart, ABowlHasOneBorderAndATubeTwo) {
   }
 }
 
+TEST(OpenPartWithin, BordersLieEvenlyOnTheRims) {
+  for (const auto& [low, high, rims] : {std::tuple(0.0, 2.0, 1U), std::tuple(-0.6, 0.6, 2U)}) {
+    const PointTree tree(zone(2500, low, high));
+    const OpenPoints points{tree, plane_normals(tree)};
+    const Image<std::uint8_t> body = filled_cup(tree.points(), point_spacing(tree));
+    const std::vector<RimCurve> curves = rims_of(body, points);
+    ASSERT_EQ(curves.size(), rims);
+    const VoxelSeed seed = voxel_seed_of_mask(body, 4.0);
+    const QuadMesh mesh = open_part_within(seed.mesh, points, curves, seed.spacing_mm);
+    std::vector<bool> on_border(mesh.vertices.size(), false);
+    const auto loops = border_loops(split_quads(mesh).triangles);
+    EXPECT_EQ(loops.size(), rims);
+    for (const std::vector<int>& loop : loops) {
+      double shortest = 1e9, longest = 0.0;
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const auto v = static_cast<std::size_t>(loop[i]), next = static_cast<std::size_t>(loop[(i + 1) % loop.size()]);
+        on_border[v] = true;
+        const double z = mesh.vertices[v].z();
+        EXPECT_LE(std::min(std::abs(z - 10.0 * low), std::abs(z - 10.0 * high)), 0.5);  // points are 0.7 apart
+        const double length = (mesh.vertices[v] - mesh.vertices[next]).norm();
+        shortest = std::min(shortest, length);
+        longest = std::max(longest, length);
+      }
+      EXPECT_LE(longest, 3.0 * shortest);
+    }
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      EXPECT_NEAR(mesh.vertices[v].norm(), 10.0, 0.3);
+      EXPECT_TRUE(on_border[v] || (mesh.vertices[v].z() > 10.0 * low && mesh.vertices[v].z() < 10.0 * high));
+    }
+  }
+}
+
+TEST(RimsOf, ClosedPointsHaveNone) {
+  const PointTree tree(zone(2500, -2.0, 2.0));
+  EXPECT_TRUE(rims_of(filled_cup(tree.points(), point_spacing(tree)), {tree, plane_normals(tree)}).empty());
+}
+
 TEST(OpenPart, NothingNearIsBadData) {
   const PointTree tree(zone(2500, 0.0, 2.0));
   const VoxelSeed seed = voxel_seed_of_mask(filled_cup(tree.points(), point_spacing(tree)), 4.0);
