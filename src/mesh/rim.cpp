@@ -53,23 +53,26 @@ std::vector<Vec3> plane_normals(const PointTree& tree) {
 
 RimPoints rim_of(const PointTree& tree, const std::vector<Vec3>& normals) {
   constexpr int kNeighbours = 24;
-  constexpr double kGap = 0.75 * std::numbers::pi;
+  constexpr double kGap = 0.65 * std::numbers::pi, kClearGap = 0.75 * std::numbers::pi;
+  constexpr int kBeside = 5, kClearBeside = 2;  // itself among them
   const std::vector<Vec3>& points = tree.points();
-  std::vector<std::uint8_t> candidate(points.size());
+  std::vector<double> gap(points.size());
   parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      candidate[i] = widest_gap(tree, tree.nearest(points[i], kNeighbours + 1), points[i], normals[i]) > kGap;
+      gap[i] = widest_gap(tree, tree.nearest(points[i], kNeighbours + 1), points[i], normals[i]);
     }
   });
   // Along a straight rim, half a disc of 24 neighbours has about five of them; points inside have one by chance.
   RimPoints rim;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (candidate[i] == 0) continue;
+    if (gap[i] <= kGap) continue;
     const auto ring = tree.nearest(points[i], kNeighbours + 1);
-    const auto beside = std::count_if(ring.begin(), ring.end(), [&](const PointTree::Neighbour& n) {
-      return candidate[static_cast<std::size_t>(n.point)] != 0;
-    });
-    if (beside < 4) continue;  // itself and three more
+    const auto beside = [&](double least) {
+      return std::count_if(ring.begin(), ring.end(), [&](const PointTree::Neighbour& n) {
+        return gap[static_cast<std::size_t>(n.point)] > least;
+      });
+    };
+    if (beside(kGap) < kBeside || beside(kClearGap) < kClearBeside) continue;
     Vec3 mean = Vec3::Zero();
     for (const auto& n : ring) mean += points[static_cast<std::size_t>(n.point)] / static_cast<double>(ring.size());
     const Vec3 away = points[i] - mean;

