@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Draws clouds of points (above) and the Catmull-Clark surfaces that `pellicle fit` puts through them (below).
 
-    scripts/pictures/draw_shapes.py CLOUD.xyz ...      the picture lands in docs/images/shapes.png
+    scripts/pictures/draw_shapes.py CLOUD.xyz ...              the picture lands in docs/images/shapes.png
+    scripts/pictures/draw_shapes.py --open CLOUD.xyz ...       open surfaces: docs/images/open.png
 
 Clouds are text files with a point a line.
 """
@@ -27,12 +28,14 @@ def rows_of(path):
     return numpy.array(rows)
 
 
-def view_of(points):
-    """A turn that shows the broad side, a little from above, and what brings the points into the picture."""
+def view_of(points, from_below):
+    """A turn that shows the broad side, a little from above, or the mouth below, and what brings the points into the picture."""
     middle = points.mean(0)
-    axes = numpy.linalg.svd(points - middle, full_matrices=False)[2]
-    axes[2] = numpy.cross(axes[0], axes[1])
-    tilt = numpy.radians(25)
+    if from_below:
+        axes, tilt = numpy.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]), numpy.radians(-40)
+    else:
+        axes, tilt = numpy.linalg.svd(points - middle, full_matrices=False)[2], numpy.radians(25)
+        axes[2] = numpy.cross(axes[0], axes[1])
     turn = numpy.array([[1, 0, 0], [0, numpy.cos(tilt), -numpy.sin(tilt)], [0, numpy.sin(tilt), numpy.cos(tilt)]]) @ axes
     turned = (points - middle) @ turn.T
     low, high = turned.min(0), turned.max(0)
@@ -64,7 +67,7 @@ def shaded(points, facets):
     place = corner[chosen, 0] + a * (corner[chosen, 1] - corner[chosen, 0]) + b * (corner[chosen, 2] - corner[chosen, 0])
     normal = (cross / area[:, None])[chosen]
     light = numpy.array([-0.4, 0.5, 0.77])
-    grey = 45 + 200 * numpy.clip(normal @ light, 0, 1)
+    grey = 45 + 200 * numpy.clip(normal @ light, 0, 1) + 90 * numpy.clip(-normal @ light, 0, 1)  # darker inside
     order = numpy.argsort(place[:, 2])
     x, y = numpy.clip(place[order, 0].astype(int), 0, SIZE - 1), numpy.clip(place[order, 1].astype(int), 0, SIZE - 1)
     picture = numpy.full((SIZE, SIZE), 255.0)
@@ -83,18 +86,20 @@ class Pair:
         return f'<image href="{grey_png(numpy.clip(self.pixels, 0, 255))}" width="{SIZE}" height="{2 * SIZE}"/>'
 
 
-def main(clouds):
+def main(arguments):
+    is_open = arguments[0] == "--open"
+    clouds = arguments[1:] if is_open else arguments
     panels = []
     with tempfile.TemporaryDirectory() as folder:
         for cloud in clouds:
             run(PELLICLE, "fit", "-i", cloud, "-o", folder, "--name", "it", "--model", "catmull-clark", "--mesh-format", "obj",
-                "--write", "mesh", "--overwrite")
+                "--write", "mesh", "--overwrite", *(["--open"] if is_open else []))
             points = rows_of(cloud)
-            view = view_of(points)
+            view = view_of(points, is_open)
             vertices, facets = read_obj(pathlib.Path(folder) / "it_surface.obj")
             name = pathlib.Path(cloud).stem.replace("-2000", "").replace("_DERIVED", "")
             panels.append((name, Pair(dotted(view(points)), shaded(view(vertices), facets))))
-    path = ROOT / "docs" / "images" / "shapes.png"
+    path = ROOT / "docs" / "images" / ("open.png" if is_open else "shapes.png")
     write_png(panels, path)
 
 

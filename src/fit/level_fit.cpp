@@ -26,10 +26,8 @@ constexpr double kLeastDeviation = 1e-4;    ///< of the diameter: no point this 
 constexpr double kFirstDeviation = 0.04, kDeviationShare = 0.5;
 // Stiff first: limbs then move as a whole instead of crumpling.
 constexpr double kFirstStiffness = 20.0, kStiffnessShare = 0.7;
-constexpr double kStiffening = 3.0, kMostStiffening = 1000.0;  ///< of a patch that folds, a step and at most
-constexpr double kAnchor = 0.0002;                             ///< of sliding_rows, against springs of weight 1
-constexpr double kRim = 1.0;                                   ///< of the rim's springs, against springs of weight 1
-constexpr int kHoldBacks = 6;
+constexpr double kAnchor = 0.0002;  ///< of sliding_rows, against springs of weight 1
+constexpr double kRim = 1.0;        ///< of the rim's springs, against springs of weight 1
 // bound_residuals: what is aimed at and what is given up at once, shares of the largest residual that was asked for; a
 // point's weight at most; steps, and steps that gain nothing before the end.
 constexpr double kBoundShare = 0.85, kHopeless = 3.4, kMostEmphasis = 1e4;
@@ -44,46 +42,6 @@ SampleLayout fit_layout(const SurfaceModel& model) {
   return knot_layout_of(model, level);
 }
 
-/// Ellipsoid-like start: least-squares affine map from the reference shape to the targets.
-Parameters affine_start(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets,
-                        const std::vector<double>& area) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const Eigen::Vector4d r(layout.reference[i].x(), layout.reference[i].y(), layout.reference[i].z(), 1.0);
-    normal += area[i] * r * r.transpose();
-    right += area[i] * r * targets[i].transpose();
-  }
-  const Eigen::Matrix<double, 4, 3> solution = normal.ldlt().solve(right);
-  const Mat3 A = solution.topRows<3>().transpose();
-  const Vec3 centre = solution.row(3).transpose();
-  // A map that folds (limbs may do that) tells no normals: then a ball of the same size.
-  const double size = std::cbrt(std::abs(A.determinant()));
-  const Eigen::JacobiSVD<Mat3> svd(A);
-  const bool sound = A.determinant() > 0.0 && svd.singularValues()[2] > 0.05 * svd.singularValues()[0];
-  return affine_image(model, centre,
-                      sound ? A : Mat3(std::max(size, 0.2 * svd.singularValues()[0]) * Mat3::Identity()));
-}
-
-// Vertices of a normal-subdivision surface lie on it: points and normals are read off the targets.
-void place_vertices(const NormalModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets,
-                    Parameters& parameters) {
-  const std::vector<Vec3> area = area_vectors(layout, targets);
-  for (int v = 0; v < model.vertex_count(); ++v) {
-    const auto at = 6 * static_cast<std::size_t>(v);
-    const Vec3 place(model.reference()[at], model.reference()[at + 1], model.reference()[at + 2]);
-    std::size_t nearest = 0;
-    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
-      if ((layout.reference[i] - place).squaredNorm() < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
-    }
-    const double length = area[nearest].norm();
-    for (int c = 0; c < 3; ++c) {
-      parameters[at + static_cast<std::size_t>(c)] = targets[nearest][c];
-      if (length > 0.0) parameters[at + 3 + static_cast<std::size_t>(c)] = area[nearest][c] / length;
-    }
-  }
-}
-
 bool is_held_out(std::size_t point) {
   return RandomEngine(point).next() % 10 == 0;
 }
@@ -96,50 +54,6 @@ std::vector<double> distances_of(const std::vector<Attachment>& at) {
 }
 
 }  // namespace
-
-double bending_weight(const SurfaceModel& model) {
-  const double degree2 = 0.25 * control_point_count(model);
-  // Facets of a normal-subdivision surface bend between their control points whatever these do.
-  const double share = std::holds_alternative<NormalModel>(model) ? 0.002 : 1.0;
-  return 0.02 * share / (degree2 * degree2);
-}
-
-CoarseBending coarse_bending(const SurfaceModel& model, const SampleLayout& layout) {
-  int level = 0;
-  while (level < layout.level && control_point_count(model) * std::pow(4.0, level) < 600.0) ++level;
-  if (level == layout.level) return {bending_rows(layout), {}};
-  const SampleLayout coarse = knot_layout_of(model, level);
-  const PointTree tree(layout.reference);
-  CoarseBending out{bending_rows(coarse), {}};
-  double apart = 0.0;
-  for (const Vec3& place : coarse.reference) {
-    const auto near = tree.nearest(place, 1).front();
-    apart = std::max(apart, near.distance);
-    out.samples.push_back(near.point);
-  }
-  if (apart > 1e-9) return {bending_rows(layout), {}};  // levels that do not share their samples
-  for (int& s : out.rows.sample) s = out.samples[static_cast<std::size_t>(s)];
-  return out;
-}
-
-std::vector<Vec3> targets_at(const SampleLayout& layout, const SphereMap& map, const Mat3& map_from_reference) {
-  const SphereLocator locator(map);
-  std::vector<Vec3> targets;
-  targets.reserve(layout.reference.size());
-  int hint = -1;
-  for (const Vec3& r : layout.reference) {
-    const auto place = locator.locate(map_from_reference * r, hint);
-    hint = place.triangle;
-    targets.push_back(locator.point_at(place));
-  }
-  return targets;
-}
-
-Parameters start_at_targets(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets) {
-  Parameters parameters = affine_start(model, layout, targets, sample_areas(layout, targets));
-  if (const auto* normal = std::get_if<NormalModel>(&model)) place_vertices(*normal, layout, targets, parameters);
-  return parameters;
-}
 
 LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out)
     : data_(data),
@@ -307,39 +221,6 @@ void LevelFit::step() {
   ++steps_;
 }
 
-// Where the step made the surface cut itself it is taken back, half and half again, with all blocks that reach there.
-void LevelFit::hold_back(const Parameters& before) {
-  folding_.assign(layout_.patches.size(), false);
-  const Parameters after = surface_.parameters;
-  const std::vector<BlockKind> kinds = blocks_of(surface_.model);
-  std::vector<double> share(kinds.size(), 1.0);
-  for (int attempt = 0; attempt < kHoldBacks; ++attempt) {
-    const Cuts cuts = cuts_of(surface_.parameters);
-    if (cuts.pairs == 0) return;
-    if (attempt == 1 && grows()) folding_ = cuts.patches;  // half a step cuts, too
-    for (const int b : cuts.blocks) share[static_cast<std::size_t>(b)] *= attempt < 3 ? 0.5 : 0.0;
-    for (std::size_t b = 0; b < kinds.size(); ++b) {
-      Eigen::Map<const Vec3> from(before.data() + 3 * b), to(after.data() + 3 * b);
-      Eigen::Map<Vec3> out(surface_.parameters.data() + 3 * b);
-      out = from + share[b] * (to - from);
-      if (kinds[b] == BlockKind::unit_normal) out.normalize();
-    }
-  }
-  if (cuts_of(surface_.parameters).pairs > 0) surface_.parameters = before;
-}
-
-// Patches that a step folds become stiffer, the others as loose again; whether any changed.
-bool LevelFit::stiffen_folds() {
-  bool changed = false;
-  for (std::size_t patch = 0; patch < folding_.size(); ++patch) {
-    const double before = stiffening_[patch];
-    stiffening_[patch] =
-        folding_[patch] ? std::min(kMostStiffening, kStiffening * before) : std::max(1.0, kStiffnessShare * before);
-    changed = changed || stiffening_[patch] != before;
-  }
-  return changed;
-}
-
 // Steps until the residual stops falling. The best of all, the start left aside, is kept.
 void LevelFit::springs() {
   double stiffness = data_.robust && grows() ? kFirstStiffness : 1.0;
@@ -431,30 +312,6 @@ void LevelFit::choose(const Vec3& x) {
   if (chosen_normal_.empty()) return;
   const int triangle = data_surface_ ? data_surface_->query(x).triangle : -1;
   chosen_normal_.push_back(triangle < 0 ? Vec3::Zero() : data_normals_[static_cast<std::size_t>(triangle)]);
-}
-
-LevelFit::Cuts LevelFit::cuts_of(const Parameters& parameters) const {
-  SurfaceSamples samples;
-  evaluate(surface_.model, parameters, fine_, false, samples);
-  const auto pairs = self_intersections(mesh_of(fine_, samples));
-  Cuts cuts;
-  cuts.pairs = static_cast<int>(pairs.size());
-  std::vector<bool> met(blocks_of(surface_.model).size(), false);
-  cuts.patches.assign(fine_.patches.size(), false);
-  for (const auto& pair : pairs) {
-    for (const int t : pair) {
-      const auto& corners = fine_.triangles[static_cast<std::size_t>(t)];
-      for (const int v : corners) {
-        const auto patch = static_cast<std::size_t>(fine_.patch_of[static_cast<std::size_t>(v)]);
-        cuts.patches[patch] = true;
-        for (const int b : fine_.patches[patch].blocks) met[static_cast<std::size_t>(b)] = true;
-      }
-    }
-  }
-  for (std::size_t b = 0; b < met.size(); ++b) {
-    if (met[b]) cuts.blocks.push_back(static_cast<int>(b));
-  }
-  return cuts;
 }
 
 PointFit LevelFit::result(double seconds) const {

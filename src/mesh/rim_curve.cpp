@@ -14,7 +14,8 @@ constexpr int kFewestPoints = 12;    ///< of a rim: fewer tell no curve
 constexpr int kPointsAControl = 4;   ///< or more
 constexpr int kSteps = 8;            ///< of attaching anew, a number of control points
 constexpr double kInside = 0.05;     ///< weight of points that lie inside of the curve
-constexpr double kStiffness = 1e-4;  ///< second differences of the control points, where no point is
+constexpr double kDamping = 0.05;    ///< where no point is, a step leaves the curve as it was
+constexpr double kStiffness = 1e-3;  ///< second differences of the control points, where no point is
 
 std::size_t idx(int i) {
   return static_cast<std::size_t>(i);
@@ -88,15 +89,19 @@ std::vector<Vec3> step(const std::vector<Vec3>& curve, const RimPoints& rim, int
   Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(controls, 3);
   double total = 0.0;
   for (const double w : weights) total += w;
-  for (std::size_t k = 0; k < rim.x.size(); ++k) {
-    const double u = static_cast<double>(controls) * at.sample[k] / kSamples, w = weights[k] / total;
+  const auto pull = [&](int sample, const Vec3& to, double weight) {
+    const double u = static_cast<double>(controls) * sample / kSamples;
     const int first = static_cast<int>(u);
     const std::array<double, 4> b = cubic_weights(u - first);
     for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) normal((first + i) % controls, (first + j) % controls) += w * b[idx(i)] * b[idx(j)];
-      right.row((first + i) % controls) += w * b[idx(i)] * rim.x[k].transpose();
+      for (int j = 0; j < 4; ++j) {
+        normal((first + i) % controls, (first + j) % controls) += weight * b[idx(i)] * b[idx(j)];
+      }
+      right.row((first + i) % controls) += weight * b[idx(i)] * to.transpose();
     }
-  }
+  };
+  for (std::size_t k = 0; k < rim.x.size(); ++k) pull(at.sample[k], rim.x[k], weights[k] / total);
+  for (int k = 0; k < kSamples; ++k) pull(k, curve[idx(k)], kDamping / kSamples);
   for (int i = 0; i < controls; ++i) {
     const std::array<int, 3> at_i{i, (i + 1) % controls, (i + 2) % controls};
     const std::array<double, 3> d{1.0, -2.0, 1.0};

@@ -4,16 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
-#include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/rim.h"
-#include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/open_seed.h"
-#include "pellicle/seed/seed_surface.h"
+#include "pellicle/pipeline/fit_seeds.h"
 #include "pellicle/seed/voxel_seed.h"
 #include "pellicle/surface/spline_interpolation.h"
 
@@ -23,12 +17,9 @@ namespace {
 
 constexpr int kMostByItself = 2000;  ///< control points that a fit takes without being told to
 constexpr int kMostForTolerance = 2600;
-constexpr int kCheap = 200;        ///< control points: coarser levels take no part in ending the search
-constexpr double kAstray = 0.005;  ///< share of points beside the surface that a fit is doubted for
-constexpr double kNextGrid = std::numbers::sqrt2;
-constexpr int kBodySamples = 10000, kBodySteps = 12;
-constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
-constexpr double kWorthwhile = 0.97;      ///< a finer level must bring the left-out points down to this share
+constexpr int kCheap = 200;           ///< control points: coarser levels take no part in ending the search
+constexpr double kAstray = 0.005;     ///< share of points beside the surface that a fit is doubted for
+constexpr double kWorthwhile = 0.97;  ///< a finer level must bring the left-out points down to this share
 
 double residual_for(const PointFit& fit, ToleranceOf which) {
   const Residual& r = fit.summary.to_surface;
@@ -91,7 +82,11 @@ bool takes_any_genus(ModelKind kind) {
 class Levels {
  public:
   Levels(const RunContext& context, GeometryFitResult& result)
-      : settings_(result.settings), context_(context), result_(result), data_(result.input.data) {
+      : settings_(result.settings),
+        context_(context),
+        result_(result),
+        data_(result.input.data),
+        seeds_(result.input, result.settings) {
     if (settings_.tolerance_mm) tolerance_ = *settings_.tolerance_mm;
     if (settings_.tolerance_percent) tolerance_ = 0.01 * *settings_.tolerance_percent * data_.diameter;
     fit_settings_.smoothness = settings_.smoothness;
@@ -143,7 +138,7 @@ class Levels {
         throw BadData(fmt::format("cannot fit ({}): its points enclose nothing that a surface could start from",
                                   result_.input.file.string()));
       }
-      seed_ = first_seed();
+      seed_ = seeds_.first();
       return;
     }
     tell(0.1, "laying the surface out on a sphere");
@@ -169,72 +164,6 @@ class Levels {
     correspondence_ = choose_axis(map, probe);
   }
 
-  // Share of the body's surface that is not near the seed: limbs that it lacks.
-  double missed_by(const VoxelSeed& seed) {
-    constexpr int kLooks = 1000;
-    constexpr double kNear = 1.5;
-    if (body_points_.empty()) body_points_ = sample_surface(surface_of_mask(result_.input.body), kLooks);
-    const TriangleMesh mesh = split_quads(seed.mesh);
-    const ClosestPoint nearest(mesh);
-    const auto missed = std::count_if(body_points_.begin(), body_points_.end(), [&](const Vec3& x) {
-      return nearest.query(x).distance > kNear * seed.spacing_mm;
-    });
-    return static_cast<double>(missed) / kLooks;
-  }
-
-  // Voxels of the genus of the data that reach all of them, or those that miss least. Thin limbs are followed; what
-  // must fill more of a voxel keeps near sheets apart.
-  std::optional<VoxelSeed> seed_of(double spacing) {
-    constexpr double kNone = 0.01;
-    std::optional<VoxelSeed> best;
-    double least = 1.0;
-    for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
-      Image<std::uint8_t> voxels = voxels_of_mask(result_.input.body, spacing, share, Limbs::followed);
-      if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
-      VoxelSeed seed = voxel_seed_of_voxels(std::move(voxels));
-      if (seed.genus != result_.input.genus) continue;
-      const double missed = missed_by(seed);
-      if (missed >= least) continue;
-      least = missed;
-      best = std::move(seed);
-      if (least <= kNone) break;
-    }
-    return best;
-  }
-
-  // The coarsest grid first, each finer by a root of two: twice the control points.
-  std::optional<VoxelSeed> next_seed() {
-    const Image<std::uint8_t>& body = result_.input.body;
-    if (!(spacing_ > 0.0)) spacing_ = kNextGrid * coarsest_spacing(body);
-    for (;;) {
-      spacing_ /= kNextGrid;
-      if (spacing_ < 0.7 * body.grid.spacing.maxCoeff()) return std::nullopt;
-      if (std::optional<VoxelSeed> seed = seed_of(spacing_)) return seed;
-    }
-  }
-
-  // Drawn to the body's whole surface, which has no gaps and an outside: limbs are in their place before the points
-  // pull. That shape is then the one at rest: bending measured against voxels would keep their corners.
-  Surface surface_on(const VoxelSeed& seed) {
-    if (!result_.input.open) {
-      if (!body_data_) body_data_ = data_of(surface_of_mask(result_.input.body), kBodySamples);
-      PointFitSettings stiff = fit_settings_;
-      stiff.smoothness *= kBodySmoothness;
-      stiff.max_steps = kBodySteps;
-      stiff.largest_residual.reset();
-      return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
-    }
-    const PointTree tree(data_.points);
-    auto [model, parameters] = open_seed(seed.mesh, {tree, plane_normals(tree)}, data_.rim, seed.spacing_mm);
-    return {std::move(model), std::move(parameters)};
-  }
-
-  // When no grid shows the genus, the body's own does as well as it can.
-  Surface first_seed() {
-    if (const std::optional<VoxelSeed> seed = next_seed()) return surface_on(*seed);
-    return surface_on(voxel_seed_of_mask(result_.input.body, result_.input.body.grid.spacing.maxCoeff()));
-  }
-
   Size start() {
     if (!from_map_) return {{}, seed_};
     sizes_ = sizes_of(settings_.model);
@@ -249,8 +178,8 @@ class Levels {
       if (at_ >= sizes_.size() || control_point_count(sizes_[at_]) > most) return std::nullopt;
       return Size{sizes_[at_], {}};
     }
-    const std::optional<VoxelSeed> seed = next_seed();
-    if (seed && static_cast<int>(seed->mesh.vertices.size()) <= most) return Size{{}, surface_on(*seed)};
+    const std::optional<VoxelSeed> seed = seeds_.next();
+    if (seed && static_cast<int>(seed->mesh.vertices.size()) <= most) return Size{{}, seeds_.surface_on(*seed)};
     Surface finer = refine(fitted.surface);
     if (control_point_count(finer.model) > most) return std::nullopt;
     return Size{{}, std::move(finer)};
@@ -341,7 +270,8 @@ class Levels {
       return meets(result_.tried.back());
     };
     std::optional<Size> size = start();
-    for (double coarser = spacing_; size; coarser = spacing_, size = finer(result_.tried.back().fit, 1, most)) {
+    for (double coarser = seeds_.spacing(); size;
+         coarser = seeds_.spacing(), size = finer(result_.tried.back().fit, 1, most)) {
       if (!attempt(*size)) continue;
       if (!from_map_ && result_.tried.size() > 1) between_grids(coarser, attempt);
       return;
@@ -353,13 +283,13 @@ class Levels {
   void between_grids(double poor, const F& attempt) {
     constexpr double kAlike = 1.1;
     constexpr int kTries = 3;
-    double good = spacing_;
+    double good = seeds_.spacing();
     for (int k = 0; k < kTries && poor > kAlike * good; ++k) {
       const double spacing = std::sqrt(good * poor);
-      const std::optional<VoxelSeed> seed = seed_of(spacing);
+      const std::optional<VoxelSeed> seed = seeds_.on_grid(spacing);
       const int points = seed ? static_cast<int>(seed->mesh.vertices.size()) : 0;
       const bool fewer = seed && points < result_.tried[result_.chosen].fit.summary.control_points;
-      (fewer && attempt({{}, surface_on(*seed)}) ? good : poor) = spacing;
+      (fewer && attempt({{}, seeds_.surface_on(*seed)}) ? good : poor) = spacing;
     }
   }
 
@@ -432,12 +362,10 @@ class Levels {
   PointFitSettings fit_settings_;
   bool from_map_ = true;
   std::optional<Correspondence> correspondence_;
+  FitSeeds seeds_;
   std::optional<Surface> seed_;
-  std::optional<GeometryData> body_data_;  ///< the body's surface
-  std::vector<Vec3> body_points_;          ///< on the surface of the body
-  double spacing_ = 0.0;                   ///< of the last seed's voxels, mm
-  std::vector<SurfaceModel> sizes_;        ///< of a model that is laid out on a map
-  std::size_t at_ = 0;                     ///< the present one
+  std::vector<SurfaceModel> sizes_;  ///< of a model that is laid out on a map
+  std::size_t at_ = 0;               ///< the present one
 };
 
 }  // namespace

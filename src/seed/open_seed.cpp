@@ -199,23 +199,18 @@ QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, const std:
   return open;
 }
 
-// Shares of a closed curve that go round once as the loop does, drawn to even steps.
+// Even shares of a closed curve that go round once as the loop does; none when it does not.
 std::vector<double> even_shares(const std::vector<double>& nearest) {
-  constexpr int kSweeps = 30;
-  const std::size_t n = nearest.size();
+  const auto n = static_cast<double>(nearest.size());
   std::vector<double> share{nearest.front()};
-  for (std::size_t i = 1; i < n; ++i) share.push_back(share.back() + std::remainder(nearest[i] - nearest[i - 1], 1.0));
-  const double round = std::round(share.back() + std::remainder(nearest.front() - nearest.back(), 1.0) - share.front());
-  if (round == 0.0) return {};
-  for (int k = 0; k < kSweeps; ++k) {
-    std::vector<double> mean(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double before = i == 0 ? share[n - 1] - round : share[i - 1];
-      const double after = i + 1 == n ? share[0] + round : share[i + 1];
-      mean[i] = 0.5 * share[i] + 0.25 * (before + after);
-    }
-    share = std::move(mean);
+  for (std::size_t i = 1; i < nearest.size(); ++i) {
+    share.push_back(share.back() + std::remainder(nearest[i] - nearest[i - 1], 1.0));
   }
+  const double round = std::round(share.back() + std::remainder(nearest.front() - nearest.back(), 1.0) - share.front());
+  if (std::abs(round) != 1.0) return {};
+  double first = 0.0;
+  for (std::size_t i = 0; i < share.size(); ++i) first += (share[i] - round * static_cast<double>(i) / n) / n;
+  for (std::size_t i = 0; i < share.size(); ++i) share[i] = first + round * static_cast<double>(i) / n;
   return share;
 }
 
