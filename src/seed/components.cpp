@@ -104,6 +104,13 @@ Components components_of(const Image<std::uint8_t>& mask) {
   return out;
 }
 
+void keep_largest_part(Image<std::uint8_t>& voxels) {
+  const Components found = components_of(voxels);
+  if (found.parts.size() < 2) return;
+  std::transform(found.labels.voxels.begin(), found.labels.voxels.end(), voxels.voxels.begin(),
+                 [&](std::int32_t id) { return static_cast<std::uint8_t>(id == found.parts.front().id ? 1 : 0); });
+}
+
 Moments moments_of(const Image<std::uint8_t>& mask) {
   double count = 0.0;
   Vec3 first = Vec3::Zero();

@@ -13,8 +13,8 @@ struct Component {
   int id = 0;  ///< value in the label image, from 1
   std::size_t voxels = 0;
   Vec3 deepest{0, 0, 0};  ///< LPS mm, a voxel centre furthest from the part's border
-  double depth =
-      0.0;  ///< its distance from the border, mm (city-block in voxels times the mean spacing, a lower bound in shape)
+  /// Its distance from the border, mm (city-block in voxels times the mean spacing, a lower bound in shape).
+  double depth = 0.0;
 };
 
 struct Components {
@@ -22,6 +22,8 @@ struct Components {
   std::vector<Component> parts;  ///< largest first; ids follow this order
 };
 Components components_of(const Image<std::uint8_t>& mask);
+/// The others become 0.
+void keep_largest_part(Image<std::uint8_t>& mask);
 
 /// Moments of a mask: centroid and the ellipsoid of equal second moments (unit ball -> ellipsoid, symmetric matrix),
 /// LPS mm.

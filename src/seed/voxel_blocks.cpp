@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/seed/components.h"
 #include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
@@ -82,19 +83,6 @@ std::size_t fill_cavities(Image<std::uint8_t>& voxels) {
     ++filled;
   }
   return filled;
-}
-
-void keep_largest_part(Image<std::uint8_t>& voxels) {
-  std::vector<std::uint8_t> seen(voxels.voxels.size(), 0);
-  std::vector<std::size_t> best;
-  for_each_voxel(voxels.grid.size, [&](int i, int j, int k) {
-    if (voxels.at(i, j, k) == 0 || seen[voxels.grid.offset(i, j, k)] != 0) return;
-    std::vector<std::size_t> part;
-    flood(voxels, {i, j, k}, seen, [&](const Index3& v) { part.push_back(voxels.grid.offset(v[0], v[1], v[2])); });
-    if (part.size() > best.size()) best = std::move(part);
-  });
-  std::fill(voxels.voxels.begin(), voxels.voxels.end(), std::uint8_t{0});
-  for (const std::size_t i : best) voxels.voxels[i] = 1;
 }
 
 unsigned pattern_at(const Image<std::uint8_t>& voxels, int i, int j, int k) {

@@ -93,13 +93,6 @@ ImageGrid grid_over(const Vec3& first_centre, const Vec3& extent, double spacing
   return grid;
 }
 
-void keep_largest(Image<std::uint8_t>& voxels) {
-  const Components found = components_of(voxels);
-  if (found.parts.size() < 2) return;
-  std::transform(found.labels.voxels.begin(), found.labels.voxels.end(), voxels.voxels.begin(),
-                 [&](std::int32_t id) { return static_cast<std::uint8_t>(id == found.parts.front().id ? 1 : 0); });
-}
-
 }  // namespace
 
 double coarsest_spacing(const std::vector<Vec3>& points) {
@@ -175,7 +168,7 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
     }
   }
   if (limbs == Limbs::followed) {
-    keep_largest(voxels);
+    keep_largest_part(voxels);
     grow_along_limbs(voxels, octants);
   }
   return voxels;
