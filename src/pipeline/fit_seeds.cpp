@@ -67,7 +67,12 @@ Surface FitSeeds::surface_on(const VoxelSeed& seed) {
     return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
   }
   if (!tree_) {
-    tree_ = std::make_unique<PointTree>(input_.data.points);
+    std::vector<Vec3> points;
+    const std::vector<double>& weights = input_.data.weights;
+    for (std::size_t k = 0; k < input_.data.points.size(); ++k) {
+      if (weights.empty() || weights[k] > 0.0) points.push_back(input_.data.points[k]);
+    }
+    tree_ = std::make_unique<PointTree>(std::move(points));
     plane_normals_ = plane_normals(*tree_);
   }
   auto [model, parameters] = open_seed(seed.mesh, {*tree_, plane_normals_}, input_.data.rim, seed.spacing_mm);

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
@@ -53,6 +55,33 @@ std::vector<std::uint8_t> near_others(const std::vector<Vec3>& points, const Poi
   return near;
 }
 
+/// Points of `tree` that lie beside the sheet of their neighbours, which a rim would be drawn to: off the plane through
+/// them by more than five times their own deviation and three quarters of the sixth's distance. 1 for those that do
+/// not.
+std::vector<std::uint8_t> on_sheets(const std::vector<Vec3>& points, const PointTree& tree) {
+  constexpr int kNeighbours = 12, kSixth = 5;
+  constexpr double kDeviations = 5.0, kOff = 0.75;
+  std::vector<std::uint8_t> on(points.size());
+  parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::vector<Vec3> others;
+      for (const auto& n : tree.nearest(points[i], kNeighbours + 1)) {
+        if (n.distance > 0.0) others.push_back(tree.points()[static_cast<std::size_t>(n.point)]);
+      }
+      if (others.size() <= kSixth) continue;
+      Vec3 mean = Vec3::Zero();
+      for (const Vec3& x : others) mean += x / static_cast<double>(others.size());
+      Mat3 spread = Mat3::Zero();
+      for (const Vec3& x : others) spread += (x - mean) * (x - mean).transpose() / static_cast<double>(others.size());
+      const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+      const double off = std::abs(axes.eigenvectors().col(0).dot(points[i] - mean));
+      const double deviation = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+      on[i] = off <= std::max(kDeviations * deviation, kOff * (others[kSixth] - points[i]).norm()) ? 1 : 0;
+    }
+  });
+  return on;
+}
+
 // A subset is enough for the shell.
 std::vector<Vec3> thinned(const std::vector<Vec3>& points, std::size_t most) {
   if (points.size() <= most) return points;
@@ -73,8 +102,7 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
     std::vector<Vec3> closed = lids_of(input.data.rim, spacing);
     closed.insert(closed.end(), points.begin(), points.end());
     ClosedSolid solid = solid_of_points(closed, spacing);
-    input.body = std::move(solid.as_given);
-    input.genus = solid.genus_as_given;
+    if (solid.genus_as_given == 0) input.body = std::move(solid.as_given);  // else stray points lead it astray
   } catch (const BadData& fault) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
   }
@@ -82,7 +110,11 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
 
 void lay_shell(const std::string& name, GeometryInput& input) {
   const PointTree tree(thinned(input.data.points, 200000));
-  const std::vector<std::uint8_t> near = near_others(input.data.points, tree);
+  std::vector<std::uint8_t> near = near_others(input.data.points, tree);
+  if (input.open) {
+    const std::vector<std::uint8_t> on = on_sheets(input.data.points, tree);
+    std::transform(near.begin(), near.end(), on.begin(), near.begin(), std::bit_and<std::uint8_t>());
+  }
   std::vector<double>& weights = input.data.weights;
   if (weights.empty()) weights.assign(input.data.points.size(), 1.0);
   std::vector<Vec3> together;

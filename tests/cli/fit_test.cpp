@@ -156,14 +156,19 @@ TEST(Fit, DetailOfASplineIsTheLadderOfDoubledSizes) {
   EXPECT_THAT(read_text(scratch / "out/egg_ladder.png"), testing::StartsWith("\x89PNG"));
 }
 
-TEST(Fit, AnOpenSurface) {
-  const Scratch scratch;
-  std::ofstream file(scratch / "half.xyz");
+/// Those with z above 0, 0.9 mm apart.
+std::string half_ellipsoid_points() {
+  std::string half;
   std::istringstream all(ellipsoid_points(1600));
   for (std::string line; std::getline(all, line);) {
-    if (std::stod(line.substr(line.rfind(' '))) > 0.0) file << line << "\n";
+    if (std::stod(line.substr(line.rfind(' '))) > 0.0) half += line + "\n";
   }
-  file.close();
+  return half;
+}
+
+TEST(Fit, AnOpenSurface) {
+  const Scratch scratch;
+  std::ofstream(scratch / "half.xyz") << half_ellipsoid_points();
   const Outcome outcome = run(
       {"fit", "-i", scratch("half.xyz"), "-o", scratch("out"), "--model", "catmull-clark", "--open", "--detail", "0"},
       scratch);
@@ -176,6 +181,29 @@ TEST(Fit, AnOpenSurface) {
   EXPECT_TRUE(object["data_to_surface"]["rms_percent"].get<double>() < 0.5);
   EXPECT_EQ(run({"export", scratch("out/half_model.json"), "--mesh", scratch("open.ply")}, scratch).exit_code, 0);
   EXPECT_EQ(run({"fit", "-i", scratch("half.xyz"), "-o", scratch("out"), "--open"}, scratch).exit_code, 64);
+}
+
+TEST(Fit, StrayPointsDoNotMoveTheRimOfAnOpenSurface) {
+  const Scratch scratch;
+  // Far off, and beside the rim.
+  std::ofstream(scratch / "half.xyz") << half_ellipsoid_points() << "25 3 -8\n-20 -20 9\n12.5 0 1\n0 17 0.5\n-8 0 2\n";
+  const Outcome outcome = run({"fit", "-i", scratch("half.xyz"), "-o", scratch("out"), "--model", "catmull-clark",
+                               "--open", "--detail", "0", "--mesh-format", "obj"},
+                              scratch);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::HasSubstr("of 805 points lie apart"));
+  EXPECT_EQ(report_in(scratch, "half")["object"]["border_loops"], 1);
+  std::istringstream mesh(read_text(scratch / "out/half_surface.obj"));
+  int vertices = 0;
+  for (std::string word; mesh >> word;) {
+    if (word != "v") continue;
+    double x = 0.0, y = 0.0, z = 0.0;
+    mesh >> x >> y >> z;
+    ++vertices;
+    EXPECT_GE(z, -0.5);
+    EXPECT_LE(x * x / 100.0 + y * y / 196.0 + z * z / 400.0, 1.1);
+  }
+  EXPECT_GE(vertices, 1000);
 }
 
 TEST(Fit, TheSameBytesForAnyNumberOfThreads) {
