@@ -1,7 +1,7 @@
 // Accuracy and speed, as tables: bench_accuracy [section ...] with sections phantoms, sphere, unseeded, brain, sarcoma,
-// organs, hippocampus, open, shapes, orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux (default:
-// all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere and the
-// brain).
+// organs, hippocampus, open, shapes, orders, torus, handles, points, power, nuclei, speed, threads, solvers, flux
+// (default: all). Options: --data DIR, --head DIR, --seeds N, --shape NAME, --model NAME (of the phantoms, the sphere
+// and the brain).
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 /// What a mesh measures, and whether it is a proper surface.
 
-#include <cstddef>
 #include <array>
+#include <cstddef>
 #include <string>
 
 #include "pellicle/mesh/triangle_mesh.h"

@@ -104,10 +104,10 @@ Components components_of(const Image<std::uint8_t>& mask) {
   return out;
 }
 
-void keep_largest_part(Image<std::uint8_t>& voxels) {
-  const Components found = components_of(voxels);
+void keep_largest_part(Image<std::uint8_t>& mask) {
+  const Components found = components_of(mask);
   if (found.parts.size() < 2) return;
-  std::transform(found.labels.voxels.begin(), found.labels.voxels.end(), voxels.voxels.begin(),
+  std::transform(found.labels.voxels.begin(), found.labels.voxels.end(), mask.voxels.begin(),
                  [&](std::int32_t id) { return static_cast<std::uint8_t>(id == found.parts.front().id ? 1 : 0); });
 }
 

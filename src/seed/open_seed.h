@@ -23,8 +23,8 @@ struct OpenPoints {
 /// and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near the points.
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
 
-/// The smooth curves along the rims of the points, one a border of open_part: of five grids over the body (each finer by
-/// a root of two) the one whose curves and rim points lie nearest to each other. Empty: the points end nowhere.
+/// The smooth curves along the rims of the points, one a border of open_part: of five grids over the body (each finer
+/// by a root of two) the one whose curves and rim points lie nearest to each other. Empty: the points end nowhere.
 /// \param body the points filled up to their mouths (raster/cup.h).
 std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points);
 
