@@ -3,22 +3,19 @@
 #include <cmath>
 #include <vector>
 
-#include "pellicle/mesh/measure.h"
-
 namespace pellicle {
 
-ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const RimLocator& rim,
-                           double reach, double energy_weight) {
+ScalarRows rim_spring_rows(const std::vector<std::vector<int>>& border, const SurfaceSamples& samples,
+                           const RimLocator& rim, double reach, double energy_weight) {
   ScalarRows rows;
-  const std::vector<std::vector<int>> loops = border_loops(layout.triangles);
   const auto at = [&](const std::vector<int>& loop, std::size_t i) -> const Vec3& {
     return samples.x[static_cast<std::size_t>(loop[i % loop.size()])];
   };
   double length = 0.0;
-  for (const std::vector<int>& loop : loops) {
+  for (const std::vector<int>& loop : border) {
     for (std::size_t i = 0; i < loop.size(); ++i) length += (at(loop, i + 1) - at(loop, i)).norm();
   }
-  for (const std::vector<int>& loop : loops) {
+  for (const std::vector<int>& loop : border) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec3 &before = at(loop, i + loop.size() - 1), &x = at(loop, i), &after = at(loop, i + 1);
       const RimLocator::Place on = rim.nearest(x);

@@ -11,8 +11,9 @@
 
 namespace pellicle {
 
-/// \param reach mm: samples further from the curves get no row. No rows for a closed layout.
-ScalarRows rim_spring_rows(const SampleLayout& layout, const SurfaceSamples& samples, const RimLocator& rim,
-                           double reach, double energy_weight);
+/// \param border of the samples (border_loops of mesh/measure.h); empty: no rows.
+/// \param reach mm: samples further from the curves get no row.
+ScalarRows rim_spring_rows(const std::vector<std::vector<int>>& border, const SurfaceSamples& samples,
+                           const RimLocator& rim, double reach, double energy_weight);
 
 }  // namespace pellicle

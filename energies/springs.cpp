@@ -113,22 +113,13 @@ ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<
   return rows;
 }
 
-namespace {
-
-std::vector<PointTree::Neighbour> nearest_points(const SurfaceSamples& samples, const PointTree& points) {
+ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
+                          double reach, double energy_weight) {
+  constexpr double kAlong = 0.7;  // across a hole the way to its rim is none along the normal
   std::vector<PointTree::Neighbour> nearest(samples.x.size());
   parallel_for(nearest.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) nearest[i] = points.nearest(samples.x[i], 1).front();
   });
-  return nearest;
-}
-
-}  // namespace
-
-ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
-                          double reach, double energy_weight) {
-  constexpr double kAlong = 0.7;  // across a hole the way to its rim is none along the normal
-  const std::vector<PointTree::Neighbour> nearest = nearest_points(samples, points);
   const double total = sum(area);
   ScalarRows rows;
   for (std::size_t i = 0; i < nearest.size(); ++i) {

@@ -72,7 +72,10 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       data_normals_.push_back((v[at(1)] - v[at(0)]).cross(v[at(2)] - v[at(0)]));
     }
   }
-  if (!data.rim.empty() && !is_closed(start.model)) rim_ = std::make_unique<RimLocator>(data.rim);
+  if (!data.rim.empty() && !is_closed(start.model)) {
+    rim_ = std::make_unique<RimLocator>(data.rim);
+    border_ = border_loops(layout_.triangles);
+  }
   choose_points();
   if (data.robust && !data.surface && data.rim.empty()) take_cloud();
 }
@@ -213,7 +216,7 @@ void LevelFit::step() {
   const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
   rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
   if (rim_) {
-    rows.push_back({"rim springs", rim_spring_rows(layout_, samples, *rim_, 0.2 * data_.diameter, kRim)});
+    rows.push_back({"rim springs", rim_spring_rows(border_, samples, *rim_, 0.2 * data_.diameter, kRim)});
   }
   const Parameters before = surface_.parameters;
   solve(std::move(rows));

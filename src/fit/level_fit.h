@@ -73,9 +73,10 @@ class LevelFit {
   std::vector<GroupedOperator> operators_;
   std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
   std::unique_ptr<ClosestPoint> data_surface_;
-  std::unique_ptr<PointTree> cloud_;  ///< chosen points with weight, where they alone are the data
-  double reach_ = 0.0;                ///< mm; what is further from them is beyond them
-  std::unique_ptr<RimLocator> rim_;   ///< of open data
+  std::unique_ptr<PointTree> cloud_;      ///< chosen points with weight, where they alone are the data
+  double reach_ = 0.0;                    ///< mm; what is further from them is beyond them
+  std::unique_ptr<RimLocator> rim_;       ///< of open data
+  std::vector<std::vector<int>> border_;  ///< samples on the border of an open surface
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
   std::vector<double> emphasis_;  ///< one a chosen point, >= 1 (bound_residuals); empty: 1 each

@@ -30,6 +30,19 @@ double widest_gap(const PointTree& tree, const std::vector<PointTree::Neighbour>
 
 }  // namespace
 
+Plane plane_through(const std::vector<Vec3>& points) {
+  const auto count = static_cast<double>(points.size());
+  Plane plane;
+  for (const Vec3& x : points) plane.mean += x;
+  plane.mean /= count;
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& x : points) spread += (x - plane.mean) * (x - plane.mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  plane.normal = axes.eigenvectors().col(0);
+  plane.deviation = std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / count);
+  return plane;
+}
+
 std::vector<Vec3> plane_normals(const PointTree& tree) {
   constexpr int kNeighbours = 12;
   const std::vector<Vec3>& points = tree.points();
@@ -37,15 +50,9 @@ std::vector<Vec3> plane_normals(const PointTree& tree) {
   parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto ring = tree.nearest(points[i], kNeighbours + 1);
-      Vec3 mean = Vec3::Zero();
-      for (const auto& n : ring) mean += points[static_cast<std::size_t>(n.point)];
-      mean /= static_cast<double>(ring.size());
-      Mat3 spread = Mat3::Zero();
-      for (const auto& n : ring) {
-        const Vec3 d = points[static_cast<std::size_t>(n.point)] - mean;
-        spread += d * d.transpose();
-      }
-      normals[i] = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0);
+      std::vector<Vec3> near;
+      for (const auto& n : ring) near.push_back(points[static_cast<std::size_t>(n.point)]);
+      normals[i] = plane_through(near).normal;
     }
   });
   return normals;

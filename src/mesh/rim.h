@@ -8,6 +8,14 @@
 
 namespace pellicle {
 
+/// The plane next to some points (least squares).
+struct Plane {
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();  ///< a unit normal, the side is not known
+  double deviation = 0.0;                           ///< mm, rms of the points from it
+};
+/// \pre at least one point.
+Plane plane_through(const std::vector<Vec3>& points);
+
 /// Unit normal of the plane through each point's 12 nearest neighbours (least squares); the side is not known.
 std::vector<Vec3> plane_normals(const PointTree& tree);
 
@@ -18,7 +26,7 @@ struct RimPoints {
 };
 
 /// Seen along the normal, the 24 nearest neighbours of a rim point leave a gap of more than 0.65 pi (half a turn on a
-/// straight rim), and of them and itself four or more do so and two leave one of more than 0.75 pi (by chance inside of
+/// straight rim), and of them and itself five or more do so and two leave one of more than 0.75 pi (by chance inside of
 /// it, once in 2000). \param normals of plane_normals. None for a closed surface.
 RimPoints rim_of(const PointTree& tree, const std::vector<Vec3>& normals);
 

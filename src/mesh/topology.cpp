@@ -19,13 +19,13 @@ struct FacetSide {
   bool forward;          ///< from the smaller to the larger vertex
 };
 
-std::vector<FacetSide> sorted_sides(const TriangleMesh& mesh) {
+std::vector<FacetSide> sorted_sides(const std::vector<std::array<int, 3>>& triangles) {
   std::vector<FacetSide> sides;
-  sides.reserve(3 * mesh.triangles.size());
-  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+  sides.reserve(3 * triangles.size());
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto a = static_cast<std::uint64_t>(mesh.triangles[f][c]);
-      const auto b = static_cast<std::uint64_t>(mesh.triangles[f][(c + 1) % 3]);
+      const auto a = static_cast<std::uint64_t>(triangles[f][c]);
+      const auto b = static_cast<std::uint64_t>(triangles[f][(c + 1) % 3]);
       sides.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<std::uint32_t>(3 * f + c), a < b});
     }
   }
@@ -74,7 +74,7 @@ class Survey {
       topology_.manifold = false;
       fault(fmt::format("facet {} repeats a vertex", f));
     }
-    const std::vector<FacetSide> sides = sorted_sides(mesh_);
+    const std::vector<FacetSide> sides = sorted_sides(mesh_.triangles);
     int edges = 0;
     for (std::size_t i = 0; i < sides.size(); ++edges) {
       std::size_t end = i;
@@ -165,7 +165,7 @@ MeshTopology topology_of(const TriangleMesh& mesh) {
 void require_closed(const TriangleMesh& mesh, const std::string& what) {
   check_indices(mesh);
   if (mesh.triangles.empty()) throw BadData(fmt::format("{} (surface): it has no facets", what));
-  const std::vector<FacetSide> sides = sorted_sides(mesh);
+  const std::vector<FacetSide> sides = sorted_sides(mesh.triangles);
   for (std::size_t i = 0; i < sides.size();) {
     long balance = 0;
     std::size_t end = i;
@@ -182,15 +182,14 @@ void require_closed(const TriangleMesh& mesh, const std::string& what) {
 }
 
 std::vector<std::vector<int>> border_loops(const std::vector<std::array<int, 3>>& triangles) {
-  std::vector<std::pair<int, int>> sides;
-  sides.reserve(3 * triangles.size());
-  for (const auto& t : triangles) {
-    for (std::size_t c = 0; c < 3; ++c) sides.emplace_back(t[c], t[(c + 1) % 3]);
-  }
-  std::sort(sides.begin(), sides.end());
+  const std::vector<FacetSide> sides = sorted_sides(triangles);
   std::map<int, int> after;
-  for (const auto& [a, b] : sides) {
-    if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) after[a] = b;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const bool alone =
+        (i == 0 || sides[i - 1].edge != sides[i].edge) && (i + 1 == sides.size() || sides[i + 1].edge != sides[i].edge);
+    if (!alone) continue;
+    const auto& t = triangles[sides[i].corner / 3];
+    after[t[sides[i].corner % 3]] = t[(sides[i].corner + 1) % 3];
   }
   std::vector<std::vector<int>> loops;
   while (!after.empty()) {

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
@@ -17,6 +15,7 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/mesh_file.h"
 #include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/rim.h"
 #include "pellicle/pipeline/seeding.h"
 #include "pellicle/raster/closed_solid.h"
 #include "pellicle/raster/cup.h"
@@ -69,14 +68,9 @@ std::vector<std::uint8_t> on_sheets(const std::vector<Vec3>& points, const Point
         if (n.distance > 0.0) others.push_back(tree.points()[static_cast<std::size_t>(n.point)]);
       }
       if (others.size() <= kSixth) continue;
-      Vec3 mean = Vec3::Zero();
-      for (const Vec3& x : others) mean += x / static_cast<double>(others.size());
-      Mat3 spread = Mat3::Zero();
-      for (const Vec3& x : others) spread += (x - mean) * (x - mean).transpose() / static_cast<double>(others.size());
-      const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-      const double off = std::abs(axes.eigenvectors().col(0).dot(points[i] - mean));
-      const double deviation = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
-      on[i] = off <= std::max(kDeviations * deviation, kOff * (others[kSixth] - points[i]).norm()) ? 1 : 0;
+      const Plane plane = plane_through(others);
+      const double off = std::abs(plane.normal.dot(points[i] - plane.mean));
+      on[i] = off <= std::max(kDeviations * plane.deviation, kOff * (others[kSixth] - points[i]).norm()) ? 1 : 0;
     }
   });
   return on;
@@ -113,7 +107,7 @@ void lay_shell(const std::string& name, GeometryInput& input) {
   std::vector<std::uint8_t> near = near_others(input.data.points, tree);
   if (input.open) {
     const std::vector<std::uint8_t> on = on_sheets(input.data.points, tree);
-    std::transform(near.begin(), near.end(), on.begin(), near.begin(), std::bit_and<std::uint8_t>());
+    for (std::size_t i = 0; i < near.size(); ++i) near[i] = std::min(near[i], on[i]);
   }
   std::vector<double>& weights = input.data.weights;
   if (weights.empty()) weights.assign(input.data.points.size(), 1.0);

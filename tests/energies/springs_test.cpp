@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pellicle/energies/rim_springs.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
 #include "test_surfaces.h"
 
@@ -209,14 +210,15 @@ TEST(RimSprings, MeasureTheWayToTheCurveAndLetSamplesSlide) {
     return samples;
   };
   const SurfaceSamples off = placed(6.0, 0.5, 0.001);
-  const ScalarRows rows = rim_spring_rows(disc, off, rim, 3.0, 2.0);
+  const auto border = border_loops(disc.triangles);
+  const ScalarRows rows = rim_spring_rows(border, off, rim, 3.0, 2.0);
   EXPECT_EQ(rows.size(), 2U * kAround);
   EXPECT_NEAR(energy_of(rows, off.x), 2.0 * (1.0 + 0.25), 0.01);
   EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.001).x), 0.0, 1e-4);
   EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.03).x), 0.0, 1e-4);  // slid along
-  EXPECT_EQ(rim_spring_rows(disc, off, rim, 1.0, 2.0).size(), 0U);    // out of reach
+  EXPECT_EQ(rim_spring_rows(border, off, rim, 1.0, 2.0).size(), 0U);  // out of reach
   const Samples ball = test::sphere_samples(2, 5.0);
-  EXPECT_EQ(rim_spring_rows(ball.layout, surface_samples(ball), rim, 99.0, 1.0).size(), 0U);
+  EXPECT_EQ(rim_spring_rows(border_loops(ball.layout.triangles), surface_samples(ball), rim, 99.0, 1.0).size(), 0U);
 }
 
 }  // namespace
