@@ -51,6 +51,7 @@ std::vector<Vec3> plane_normals(const PointTree& tree) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto ring = tree.nearest(points[i], kNeighbours + 1);
       std::vector<Vec3> near;
+      near.reserve(ring.size());
       for (const auto& n : ring) near.push_back(points[static_cast<std::size_t>(n.point)]);
       normals[i] = plane_through(near).normal;
     }
