@@ -9,7 +9,7 @@
 #include "commands.h"
 #include "pellicle/base/child_process.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle::cli {
 

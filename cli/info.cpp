@@ -9,11 +9,11 @@
 
 #include "commands.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/mesh_file.h"
 #include "pellicle/pipeline/report.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle::cli {

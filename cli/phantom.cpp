@@ -13,10 +13,10 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/image/volume_file.h"
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/image/files/volume_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/pipeline/outputs.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 #include "pellicle/synthetic/cluster.h"
 #include "pellicle/synthetic/phantom.h"
 

@@ -14,8 +14,8 @@
 #include "pellicle/pipeline/seed_preview.h"
 #include "pellicle/pipeline/segment.h"
 #include "pellicle/pipeline/segment_series.h"
-#include "pellicle/pipeline/settings_toml.h"
 #include "pellicle/pipeline/slicer_description.h"
+#include "pellicle/settings/settings_toml.h"
 #include "slicer_progress.h"
 
 namespace pellicle::cli {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"

@@ -5,8 +5,8 @@
 
 #include "click.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/overlap.h"

@@ -14,8 +14,8 @@
 
 #include "otsu_baseline.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/resample.h"
-#include "pellicle/image/volume_file.h"
 #include "pellicle/seed/territories.h"
 #include "pellicle/synthetic/cluster.h"
 #include "sections.h"

@@ -8,11 +8,11 @@
 #include "otsu_baseline.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/presets.h"
-#include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/settings/presets.h"
+#include "pellicle/settings/settings_toml.h"
 #include "sections.h"
 
 namespace pellicle::bench {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "pellicle/fit/expert_points.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/pipeline/seeding.h"

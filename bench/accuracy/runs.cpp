@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/components.h"
 #include "pellicle/synthetic/phantom.h"

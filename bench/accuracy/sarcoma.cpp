@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "click.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/volume_file.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"

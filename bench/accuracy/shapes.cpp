@@ -9,8 +9,8 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/distance.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/mesh_file.h"
 #include "pellicle/pipeline/fit_points.h"
 #include "sections.h"
 

@@ -11,7 +11,7 @@
 #include "pellicle/energies/flux.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/region.h"
-#include "pellicle/surface/normal_model.h"
+#include "pellicle/surface/normal/normal_model.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "pellicle/base/random.h"
-#include "pellicle/surface/spline_volume.h"
+#include "pellicle/surface/spline/spline_volume.h"
 
 namespace pellicle {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
-#include "pellicle/surface/normal_model.h"
+#include "pellicle/surface/normal/normal_model.h"
 #include "surface/jet_patch.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "pellicle/image/voxel_source.h"
+#include "pellicle/image/files/voxel_source.h"
 
 namespace pellicle {
 namespace {

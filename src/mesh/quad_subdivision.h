@@ -2,7 +2,7 @@
 /// Catmull-Clark on quad meshes as constant weights: one step, and the limit at the vertices.
 /// Source: Catmull, Clark 1978; limit masks Halstead, Kass, DeRose 1993 (docs/any-topology.md).
 
-#include "pellicle/mesh/point_rows.h"
+#include "pellicle/mesh/files/point_rows.h"
 #include "pellicle/mesh/quad_mesh.h"
 
 namespace pellicle {

@@ -17,7 +17,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/pipeline/outputs.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

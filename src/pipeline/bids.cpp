@@ -11,7 +11,7 @@
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/pipeline/report_page.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

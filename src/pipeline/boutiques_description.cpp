@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pellicle/pipeline/provenance.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

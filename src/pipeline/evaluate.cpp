@@ -10,8 +10,8 @@
 #include <set>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/mesh_file.h"
 #include "pellicle/mesh/overlap.h"
 #include "pellicle/pipeline/voxels.h"
 #include "pellicle/raster/rasterize.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/triangle_mesh.h"
 

@@ -9,7 +9,7 @@
 #include "pellicle/base/interrupt.h"
 #include "pellicle/pipeline/fit_seeds.h"
 #include "pellicle/seed/voxel_seed.h"
-#include "pellicle/surface/spline_interpolation.h"
+#include "pellicle/surface/spline/spline_interpolation.h"
 
 namespace pellicle {
 

@@ -8,7 +8,7 @@
 
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/image/image.h"
-#include "pellicle/mesh/point_file.h"
+#include "pellicle/mesh/files/point_file.h"
 
 namespace pellicle {
 

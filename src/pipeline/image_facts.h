@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 
 namespace pellicle {
 

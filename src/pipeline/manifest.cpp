@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

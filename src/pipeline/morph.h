@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/mesh_file.h"
 #include "pellicle/pipeline/segment.h"
 #include "pellicle/surface/morph.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

@@ -10,9 +10,9 @@
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/image/volume_file.h"
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/pipeline/slice_view.h"
 #include "pellicle/pipeline/viewer_files.h"
 #include "pellicle/surface/model_file.h"

@@ -7,7 +7,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/pipeline/seeding.h"
-#include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/settings/settings_toml.h"
 
 namespace pellicle {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pellicle/pipeline/image_facts.h"
-#include "pellicle/pipeline/presets.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/presets.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

@@ -7,7 +7,7 @@
 
 #include "pellicle/fit/many.h"
 #include "pellicle/pipeline/provenance.h"
-#include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/settings/settings_toml.h"
 
 namespace pellicle {
 using json = nlohmann::ordered_json;

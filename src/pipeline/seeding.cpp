@@ -10,7 +10,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/fit.h"
-#include "pellicle/mesh/point_file.h"
+#include "pellicle/mesh/files/point_file.h"
 #include "pellicle/seed/point_outline.h"
 #include "pellicle/surface/model_file.h"
 

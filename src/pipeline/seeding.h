@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/image/volume_file.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/seed/seed.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/preset_choice.h"
 #include "pellicle/pipeline/seeding.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

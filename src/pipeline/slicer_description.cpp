@@ -6,9 +6,9 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "pellicle/pipeline/presets.h"
 #include "pellicle/pipeline/provenance.h"
-#include "pellicle/pipeline/settings.h"
+#include "pellicle/settings/presets.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 
 namespace pellicle {
 

@@ -7,7 +7,7 @@
 #include "pellicle/mesh/point_tree.h"
 #include "pellicle/mesh/quad_mesh.h"
 #include "pellicle/mesh/rim.h"
-#include "pellicle/surface/catmull_clark_model.h"
+#include "pellicle/surface/quad/catmull_clark_model.h"
 
 namespace pellicle {
 

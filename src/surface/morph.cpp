@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/spline_gram.h"
+#include "pellicle/surface/spline/spline_gram.h"
 
 namespace pellicle {
 namespace {

@@ -5,10 +5,10 @@
 #include <variant>
 
 #include "pellicle/mesh/triangle_mesh.h"
-#include "pellicle/surface/catmull_clark_model.h"
-#include "pellicle/surface/normal_model.h"
-#include "pellicle/surface/slime_model.h"
-#include "pellicle/surface/spline_model.h"
+#include "pellicle/surface/normal/normal_model.h"
+#include "pellicle/surface/quad/catmull_clark_model.h"
+#include "pellicle/surface/quad/slime_model.h"
+#include "pellicle/surface/spline/spline_model.h"
 
 namespace pellicle {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "run_program.h"
 
 namespace pellicle::test {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "pellicle/base/random.h"
-#include "pellicle/image/volume_file.h"
+#include "pellicle/image/files/volume_file.h"
 #include "pellicle/synthetic/phantom.h"
 #include "run_program.h"
 

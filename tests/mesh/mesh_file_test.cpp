@@ -1,4 +1,4 @@
-#include "pellicle/mesh/mesh_file.h"
+#include "pellicle/mesh/files/mesh_file.h"
 #include "../temporary_folder.h"
 
 #include <gmock/gmock.h>

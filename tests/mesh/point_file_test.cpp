@@ -1,5 +1,5 @@
 // Point files: what is read, and what each broken file is told.
-#include "pellicle/mesh/point_file.h"
+#include "pellicle/mesh/files/point_file.h"
 
 #include <gmock/gmock.h>
 

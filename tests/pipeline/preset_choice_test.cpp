@@ -10,7 +10,7 @@
 #include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
-#include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/settings/settings_toml.h"
 #include "pellicle/synthetic/cluster.h"
 
 namespace pellicle {

@@ -6,8 +6,8 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
-#include "pellicle/pipeline/presets.h"
-#include "pellicle/pipeline/settings_toml.h"
+#include "pellicle/settings/presets.h"
+#include "pellicle/settings/settings_toml.h"
 
 namespace pellicle {
 namespace {

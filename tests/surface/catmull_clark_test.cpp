@@ -1,7 +1,7 @@
 // Catmull-Clark: OpenSubdiv's weights against the reference implementation's values and against repeated refinement
 // with this project's own masks; the plate against closed-form B-spline integrals.
 
-#include "pellicle/surface/catmull_clark_model.h"
+#include "pellicle/surface/quad/catmull_clark_model.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/quad_subdivision.h"
-#include "pellicle/surface/catmull_clark_limits.h"
+#include "pellicle/surface/quad/catmull_clark_limits.h"
 #include "quad_shapes.h"
 
 namespace pellicle {

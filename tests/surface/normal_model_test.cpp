@@ -1,4 +1,4 @@
-#include "pellicle/surface/normal_model.h"
+#include "pellicle/surface/normal/normal_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

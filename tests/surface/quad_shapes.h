@@ -8,7 +8,7 @@
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/quad_mesh.h"
 #include "pellicle/mesh/quad_subdivision.h"
-#include "pellicle/surface/quad_layout.h"
+#include "pellicle/surface/quad/quad_layout.h"
 
 namespace pellicle::quad_shapes {
 

@@ -1,6 +1,6 @@
 // Slime: weights, stiffness and surface against the reference implementation; tangent planes across every border.
 
-#include "pellicle/surface/slime_model.h"
+#include "pellicle/surface/quad/slime_model.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Spline surfaces that several tests look at.
 
-#include "pellicle/surface/spline_model.h"
+#include "pellicle/surface/spline/spline_model.h"
 #include "shapes.h"
 
 namespace pellicle::shapes {

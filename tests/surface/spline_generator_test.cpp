@@ -1,4 +1,4 @@
-#include "pellicle/surface/spline_generator.h"
+#include "pellicle/surface/spline/spline_generator.h"
 
 #include <gtest/gtest.h>
 

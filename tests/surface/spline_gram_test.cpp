@@ -1,4 +1,4 @@
-#include "pellicle/surface/spline_gram.h"
+#include "pellicle/surface/spline/spline_gram.h"
 
 #include <gtest/gtest.h>
 

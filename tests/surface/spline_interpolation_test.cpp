@@ -1,5 +1,5 @@
 // Splines through grids of points: every point is met, ellipsoids are exact with their poles.
-#include "pellicle/surface/spline_interpolation.h"
+#include "pellicle/surface/spline/spline_interpolation.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "pellicle/surface/spline_model.h"
+#include "pellicle/surface/spline/spline_model.h"
 
 #include <gtest/gtest.h>
 

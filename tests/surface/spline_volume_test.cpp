@@ -1,4 +1,4 @@
-#include "pellicle/surface/spline_volume.h"
+#include "pellicle/surface/spline/spline_volume.h"
 
 #include <gtest/gtest.h>
 
