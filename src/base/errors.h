@@ -21,6 +21,15 @@ class Error : public std::runtime_error {
 struct UsageError : Error {
   explicit UsageError(const std::string& message) : Error(64, message) {}
 };
+/// A setting that cannot be honoured. It carries the key of the setting, as the table of settings spells it; a host
+/// shows it in its own way (the command line as the flag `--KEY`).
+struct SettingError : UsageError {
+  /// \param what the thing that is wrong: "detail". \param key "detail"; several: "time-step, mass". \param why the
+  /// rule and the value.
+  SettingError(const std::string& what, const std::string& key, const std::string& why)
+      : UsageError(what + " (" + key + "): " + why), subject(what), key(key), why(why) {}
+  std::string subject, key, why;
+};
 /// An input that exists but is broken, inconsistent or of a kind that is not supported.
 struct BadData : Error {
   explicit BadData(const std::string& message) : Error(65, message) {}

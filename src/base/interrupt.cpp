@@ -19,8 +19,12 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, raise_flag);
 }
 
+bool interrupt_requested() {
+  return interrupted != 0;
+}
+
 void check_interrupt() {
-  if (interrupted != 0) throw Interrupted();
+  if (interrupt_requested()) throw Interrupted();
 }
 
 }  // namespace pellicle
