@@ -12,7 +12,7 @@
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/report.h"
+#include "pellicle/output/report_json.h"
 #include "pellicle/settings/settings.h"
 #include "pellicle/surface/model_file.h"
 

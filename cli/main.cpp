@@ -8,10 +8,10 @@
 #include <new>
 
 #include "commands.h"
+#include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
-#include "pellicle/pipeline/provenance.h"
-#include "slicer_progress.h"
+#include "pellicle/output/provenance.h"
 
 namespace {
 
