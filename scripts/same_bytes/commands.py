@@ -8,7 +8,8 @@ import math
 import random
 import shlex
 import struct
-import subprocess
+
+from programs import run_well
 
 CH2 = "/usr/share/mricron/templates/ch2.nii.gz"
 EVERYTHING = "mask,mesh,model,report,qc,convergence,sdf,prob"
@@ -151,19 +152,13 @@ FULL = {
 
 # What every number of threads has to agree on, short enough for each run of the tests.
 THREADS = ["segment-everything", "segment-spline", "segment-catmull-clark", "segment-many", "segment-gradient", "segment-points",
-           "segment-handle", "fit-cloud", "morph", "export", "evaluate"]
+           "segment-handle", "fit-spline-grid", "fit-open", "morph", "export", "evaluate"]
 
 
 def arguments(command, name, threads):
     """The words of a command for `threads` threads; 0: as the program likes."""
     words = [word.replace("@", f"out/{name}") for word in shlex.split(command)]
     return words + (["--threads", str(threads)] if threads and words[0] not in SERIAL else [])
-
-
-def ask(program, words, folder, environment):
-    done = subprocess.run([program, *words], cwd=folder, env=environment, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise SystemExit(f"same_bytes: {' '.join(words)} failed, no inputs: {done.stderr}")
 
 
 def series_of(frames, time_unit):
@@ -195,21 +190,21 @@ def rows(points, separator):
     return "".join(separator.join(f"{c:.5f}" for c in point) + "\n" for point in points)
 
 
-def make_inputs(program, folder, environment):
+def make_inputs(program, folder):
     """data/ and results/ in `folder`, by the first program."""
     data = folder / "data"
     for line in PHANTOMS.strip().splitlines():
-        ask(program, ["phantom", "-o", "data", *line.split()], folder, environment)
+        run_well(program, ["phantom", "-o", "data", *line.split()], folder)
     frames = [data / f"frame{t}.nii.gz" for t in range(3)]
     (data / "series.nii").write_bytes(series_of(frames, 8))
     (data / "spectrum.nii").write_bytes(series_of(frames, 32))
     (data / "broken.nii.gz").write_bytes(frames[0].read_bytes()[:3000])
-    points = cloud(1500, False)
+    points = cloud(600, False)
     (data / "cloud.xyz").write_text(rows(points, " "))
     (data / "cloud.csv").write_text("x,y,z\n" + rows(points, ","))
-    (data / "bowl.xyz").write_text(rows(cloud(1000, True), " "))
+    (data / "bowl.xyz").write_text(rows(cloud(500, True), " "))
     (data / "expert.csv").write_text("x,y,z,weight\n10,0,0,1\n0,-9,1,2\n")
-    (data / "seeds.csv").write_text("x,y,z,r,label,name\n" + cluster_seeds(program, folder, environment))
+    (data / "seeds.csv").write_text("x,y,z,r,label,name\n" + cluster_seeds(data))
     (data / "wrong.csv").write_text("x,y\n1,word\n")
     (data / "settings.toml").write_text('model = "catmull-clark"\nwrite = ["mask", "report"]\nsmoothing = 1.5\n')
     (data / "wrong.toml").write_text('modle = "normal"\n')
@@ -221,11 +216,11 @@ def make_inputs(program, folder, environment):
         (anat / f"sub-{label}_T1w.nii.gz").write_bytes((data / f"{image}.nii.gz").read_bytes())
     (study / "dataset_description.json").write_text('{"Name": "Study", "BIDSVersion": "1.9.0"}\n')
     for line in RESULTS.strip().splitlines():
-        ask(program, line.split(), folder, environment)
-    ask(program, shlex.split("bids data/study data/study/derivatives/pellicle participant --preset bright"), folder, environment)
+        run_well(program, line.split(), folder)
+    run_well(program, shlex.split("bids data/study data/study/derivatives/pellicle participant --preset bright"), folder)
 
 
-def cluster_seeds(program, folder, environment):
-    truth = json.loads((folder / "data" / "cells_truth.json").read_text())
+def cluster_seeds(data):
+    truth = json.loads((data / "cells_truth.json").read_text())
     return "".join(",".join(f"{c:.3f}" for c in seed["center"]) + f",3,{n + 1},cell-{n + 1}\n"
                    for n, seed in enumerate(truth["objects"][:2]))

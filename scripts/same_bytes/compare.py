@@ -5,18 +5,15 @@ anything differs. What may differ (times, memory, dates, versions, paths) is mas
 """
 import argparse
 import concurrent.futures
-import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
 
 import commands
 import masks
+import programs
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 TIMED = ("segment", "batch", "bids", "fit")  # the lines on stdout end with seconds
 
 
@@ -27,7 +24,7 @@ class Side:
         self.program, self.folder, self.threads = str(program), folder, threads
         self.mask = masks.Mask(self.program, folder, mask_threads)
         self.seen = {}
-        self.seconds = 0.0
+        self.seconds = self.last = 0.0
 
     def new_files(self):
         """Files that were written since the last call, by their place in the folder."""
@@ -43,19 +40,19 @@ class Side:
                 written[str(path.relative_to(self.folder))] = path
         return written
 
-    def run(self, name, command, environment):
+    def run(self, name, command):
         """All that the command leaves behind, masked: name of the output -> bytes."""
         words = commands.arguments(command, name, self.threads)
         if words[0] == "export":  # makes no folder
             (self.folder / "out" / name).mkdir(parents=True)
-        start = time.monotonic()
-        done = subprocess.run([self.program, *words], cwd=self.folder, env=environment, capture_output=True, stdin=subprocess.DEVNULL)
-        self.seconds += time.monotonic() - start
+        done = programs.run(self.program, words, self.folder)
+        self.last = done.processor_seconds
+        self.seconds += self.last
         found = {place: self.mask.of_file(path) for place, path in self.new_files().items()}
         for stream, text in (("stdout", done.stdout), ("stderr", done.stderr)):
             timed = stream == "stdout" and words[0] in TIMED
             found[stream] = self.mask.of_stream(text.decode("utf-8", "replace"), timed).encode()
-        found["exit code"] = str(done.returncode).encode()
+        found["exit code"] = str(done.exit_code).encode()
         return found
 
 
@@ -104,20 +101,13 @@ def chosen(arguments):
             if commands.CH2 not in command or pathlib.Path(commands.CH2).exists()}
 
 
-def environment_of(program_environment):
-    environment = {**program_environment, "LC_ALL": "C"}
-    environment.setdefault("PELLICLE_PRESETS", str(ROOT / "presets"))
-    return environment
-
-
 def compare(arguments, scratch):
     threads = (1, 2) if arguments.self else tuple(int(n) for n in arguments.threads.split(","))
     old_program, new_program = (pathlib.Path(p).absolute() for p in
                                 ((arguments.self, arguments.self) if arguments.self else arguments.programs))
-    environment = environment_of(os.environ)
     for side in ("old", "new"):
         (scratch / side).mkdir(parents=True)
-    commands.make_inputs(str(old_program), scratch / "old", environment)
+    commands.make_inputs(str(old_program), scratch / "old")
     shutil.copytree(scratch / "old", scratch / "new", dirs_exist_ok=True)
     sides = [Side(old_program, scratch / "old", threads[0], threads[0] != threads[-1]),
              Side(new_program, scratch / "new", threads[-1], threads[0] != threads[-1])]
@@ -126,12 +116,12 @@ def compare(arguments, scratch):
     asked, different = chosen(arguments), 0
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         for name, command in asked.items():
-            old, new = pool.map(lambda side: side.run(name, command, environment), sides)
+            old, new = pool.map(lambda side: side.run(name, command), sides)
             lines = faults_of(old, new)
             different += bool(lines)
-            print(f"{'DIFFERENT' if lines else 'same':10}{name}  (exit {old['exit code'].decode()}, {len(old)} outputs)", *lines,
-                  sep="\n", flush=True)
-    print(f"{len(asked)} commands, {different} different; {sides[0].seconds:.0f} s and {sides[1].seconds:.0f} s")
+            print(f"{'DIFFERENT' if lines else 'same':10}{name}  (exit {old['exit code'].decode()}, {len(old)} outputs, "
+                  f"{sides[0].last:.1f} s)", *lines, sep="\n", flush=True)
+    print(f"{len(asked)} commands, {different} different; {sides[0].seconds:.0f} s and {sides[1].seconds:.0f} s of processor time")
     return 1 if different else 0
 
 
