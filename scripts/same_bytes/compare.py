@@ -15,14 +15,14 @@ import masks
 import programs
 
 TIMED = ("segment", "batch", "bids", "fit")  # the lines on stdout end with seconds
+PAIRS = 3  # pairs of lines that are shown
 
 
 class Side:
     """One of the two programs, with its folder and number of threads."""
 
-    def __init__(self, program, folder, threads, mask_threads):
-        self.program, self.folder, self.threads = str(program), folder, threads
-        self.mask = masks.Mask(self.program, folder, mask_threads)
+    def __init__(self, program, folder, threads, mask):
+        self.program, self.folder, self.threads, self.mask = program, folder, threads, mask
         self.seen = {}
         self.seconds = self.last = 0.0
 
@@ -62,8 +62,8 @@ def excerpt(line, at):
     return ("..." if start else "") + line[start:at + 80] + ("..." if len(line) > at + 80 else "")
 
 
-def first_difference(old, new):
-    """Where two outputs part, in a line or two."""
+def first_differences(old, new):
+    """Where two outputs part, in a few lines."""
     try:
         a, b = old.decode().split("\n"), new.decode().split("\n")
     except UnicodeDecodeError:
@@ -71,11 +71,14 @@ def first_difference(old, new):
             return [f"{len(old)} bytes against {len(new)}"]
         unequal = [n for n, (x, y) in enumerate(zip(old, new)) if x != y]
         return [f"{len(unequal)} of {len(old)} bytes differ, from byte {unequal[0]} on"]
-    for n, (x, y) in enumerate(zip(a, b)):
-        if x != y:
-            at = next((k for k, (p, q) in enumerate(zip(x, y)) if p != q), min(len(x), len(y)))
-            return [f"line {n + 1} old: {excerpt(x, at)}", f"line {n + 1} new: {excerpt(y, at)}"]
-    return [f"{len(a)} lines against {len(b)}"]
+    unequal = [n for n, (x, y) in enumerate(zip(a, b)) if x != y]
+    lines = []
+    for n in unequal[:PAIRS if len(a) == len(b) else 1]:
+        at = next((k for k, (p, q) in enumerate(zip(a[n], b[n])) if p != q), min(len(a[n]), len(b[n])))
+        lines += [f"line {n + 1} old: {excerpt(a[n], at)}", f"line {n + 1} new: {excerpt(b[n], at)}"]
+    if len(a) != len(b):
+        return lines + [f"{len(a)} lines against {len(b)}"]
+    return lines + ([f"{len(unequal)} lines differ"] if len(unequal) > PAIRS else [])
 
 
 def faults_of(old, new):
@@ -85,7 +88,7 @@ def faults_of(old, new):
             lines.append(f"  {output}: only of the {'old' if output in old else 'new'} program")
         elif old[output] != new[output]:
             lines.append(f"  {output}")
-            lines += [f"    {line}" for line in first_difference(old[output], new[output])]
+            lines += [f"    {line}" for line in first_differences(old[output], new[output])]
     return lines
 
 
@@ -97,8 +100,10 @@ def chosen(arguments):
         every = commands.SHORT
     if arguments.only:
         every = {name: command for name, command in every.items() if any(part in name for part in arguments.only)}
-    return {name: command for name, command in every.items()
-            if commands.CH2 not in command or pathlib.Path(commands.CH2).exists()}
+    left_out = [name for name, command in every.items() if commands.CH2 in command and not pathlib.Path(commands.CH2).exists()]
+    if left_out:
+        print(f"left out, no {commands.CH2}: {' '.join(left_out)}")
+    return {name: command for name, command in every.items() if name not in left_out}
 
 
 def compare(arguments, scratch):
@@ -109,8 +114,8 @@ def compare(arguments, scratch):
         (scratch / side).mkdir(parents=True)
     commands.make_inputs(str(old_program), scratch / "old")
     shutil.copytree(scratch / "old", scratch / "new", dirs_exist_ok=True)
-    sides = [Side(old_program, scratch / "old", threads[0], threads[0] != threads[-1]),
-             Side(new_program, scratch / "new", threads[-1], threads[0] != threads[-1])]
+    sides = [Side(program, scratch / name, count, masks.Mask((old_program, new_program), scratch / name, threads[0] != threads[-1]))
+             for program, name, count in ((old_program, "old", threads[0]), (new_program, "new", threads[-1]))]
     for side in sides:
         side.new_files()
     asked, different = chosen(arguments), 0
@@ -137,6 +142,8 @@ def main():
     if bool(arguments.self) == bool(arguments.programs) or len(arguments.programs) not in (0, 2):
         parser.error("OLD and NEW, or --self PROGRAM")
     if arguments.keep:
+        if pathlib.Path(arguments.keep).exists():
+            parser.error(f"{arguments.keep} is there already")
         return compare(arguments, pathlib.Path(arguments.keep).absolute())
     with tempfile.TemporaryDirectory() as scratch:
         return compare(arguments, pathlib.Path(scratch))

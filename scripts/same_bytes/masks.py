@@ -20,17 +20,18 @@ def sha256(data):
 
 
 class Mask:
-    """Of one program in one folder."""
+    """Of runs in one folder. Inputs that the first program made are read by both, so both programs are known."""
 
-    def __init__(self, program, folder, mask_threads):
-        self.folder = folder
-        self.words = [(str(folder), "<folder>"), (str(pathlib.Path(program)), "<program>"),
-                      (str(pathlib.Path(program).resolve()), "<program>")]
+    def __init__(self, programs, folder, mask_threads):
+        self.words = {str(folder): "<folder>"}
+        self.versions, self.libraries = set(), set()
+        for program in programs:
+            self.words |= {str(program): "<program>", str(pathlib.Path(program).resolve()): "<program>"}
+            said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
+            first, _, libraries = said.partition("\n")
+            self.versions.add(first.split()[-1])
+            self.libraries |= {tuple(item.rsplit(" ", 1)) for item in libraries.strip().split(", ") if " " in item}
         self.mask_threads = mask_threads
-        said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
-        first, _, libraries = said.partition("\n")
-        self.version = first.split()[-1]
-        self.libraries = [item.rsplit(" ", 1) for item in libraries.strip().split(", ") if " " in item]
         self.hashes = {}  # sha256 of a file as it is -> its path
 
     def learn(self, path):
@@ -63,14 +64,15 @@ class Mask:
         return self.of_text("\n".join("\t".join(row) for row in rows))
 
     def of_text(self, text):
-        for word, name in self.words:
+        for word, name in sorted(self.words.items(), key=lambda item: -len(item[0])):
             text = text.replace(word, name)
         text = re.sub(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(?:\.\d+)?Z?", "<date>", text)
         text = re.sub(r'"seconds"\s*:\s*\{[^}]*\}', lambda m: re.sub(r":(\s*)" + NUMBER, r":\1<seconds>", m[0]), text)
         text = re.sub(r'("\w*(?:seconds|memory)\w*"\s*:\s*)' + NUMBER, r"\1<masked>", text)
         for name, version in self.libraries:
             text = re.sub(rf'({re.escape(name)}"?[: ]+"?){re.escape(version)}(?![\w.])', r"\1<version>", text)
-        text = re.sub(rf"(?<![\w.]){re.escape(self.version)}(?![\w.])", "<version>", text)
+        for version in self.versions:
+            text = re.sub(rf"(?<![\w.]){re.escape(version)}(?![\w.])", "<version>", text)
         if self.mask_threads:
             text = re.sub(r'("threads"\s*:\s*)\d+', r"\1<threads>", text)
             text = re.sub(r'("--threads"\s*,\s*)"\d+"', r"\1<threads>", text)
