@@ -24,11 +24,11 @@ struct UsageError : Error {
 /// A setting that cannot be honoured. It carries the key of the setting, as the table of settings spells it; a host
 /// shows it in its own way (the command line as the flag `--KEY`).
 struct SettingError : UsageError {
-  /// \param what the thing that is wrong: "detail".
-  /// \param setting its key: "detail"; of several: "time-step, mass".
-  /// \param rule the rule and the value that breaks it.
-  SettingError(const std::string& what, const std::string& setting, const std::string& rule)
-      : UsageError(what + " (" + setting + "): " + rule), subject(what), key(setting), why(rule) {}
+  /// \param of_what the thing that is wrong: "expert points".
+  /// \param its_key "points"; of several: "time-step, mass".
+  /// \param reason the rule and the value that breaks it.
+  SettingError(const std::string& of_what, const std::string& its_key, const std::string& reason)
+      : UsageError(of_what + " (" + its_key + "): " + reason), subject(of_what), key(its_key), why(reason) {}
   std::string subject, key, why;
 };
 /// An input that exists but is broken, inconsistent or of a kind that is not supported.

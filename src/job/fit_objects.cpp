@@ -50,7 +50,7 @@ void fit_objects(const Image<float>& image, const std::vector<ObjectSeed>& seeds
     clock.start("fit");
     FitSettings settings = options.fit;
     if (!seed.points.points.empty()) settings.points = seed.points;
-    FitResult fit = fit_surface(image, seed.candidates, settings, own.progress);
+    FitResult fit = fit_surface(image, seed.candidates, settings, own);
     clock.stop();
     ObjectResult object{.label = seed.label,
                         .name = seed.name,
@@ -70,8 +70,8 @@ void fit_many_objects(Image<float> image, const std::vector<ObjectSeed>& seeds, 
   clock.start("fit");
   ManyResult many;
   if (has_contrast(image)) {
-    many = seeds.empty() ? fit_many(std::move(image), settings, observer.progress)
-                         : fit_many(std::move(image), first_candidates(seeds), settings, observer.progress);
+    many = seeds.empty() ? fit_many(std::move(image), settings, observer)
+                         : fit_many(std::move(image), first_candidates(seeds), settings, observer);
   }
   clock.stop();
   if (many.objects.size() > kMostLabels) {

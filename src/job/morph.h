@@ -6,7 +6,7 @@
 
 #include "pellicle/base/observer.h"
 #include "pellicle/base/phase_clock.h"
-#include "pellicle/fit/fit.h"
+#include "pellicle/fit/fit_types.h"
 #include "pellicle/mesh/triangle_mesh.h"
 #include "pellicle/surface/morph.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pellicle/base/phase_clock.h"
-#include "pellicle/fit/fit.h"
+#include "pellicle/fit/fit_types.h"
 #include "pellicle/image/image.h"
 #include "pellicle/mesh/measure.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pellicle/base/observer.h"
-#include "pellicle/fit/fit.h"
+#include "pellicle/fit/fit_types.h"
 #include "pellicle/mesh/files/mesh_file.h"
 
 namespace pellicle {
