@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "commands.h"
+#include "flag_text.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/many.h"
 #include "pellicle/pipeline/boutiques_description.h"
@@ -125,7 +126,7 @@ void print_presets() {
 void print_energies() {
   for (const auto& energy : energy_descriptions()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
-                             energy.text);
+                             with_flags(energy.text));
   }
 }
 
@@ -145,7 +146,7 @@ void print_preview(const SegmentSettings& settings, Console& console) {
   context.warn = [&](const std::string& message) { console.warn(message); };
   const SeedPreview preview = preview_seeds(settings, context);
   std::cout << "\n# What a run would do; the seeds are drawn in " << preview.picture.string() << "\n";
-  for (const std::string& line : preview.lines) std::cout << "# " << line << "\n";
+  for (const std::string& line : preview.lines) std::cout << "# " << with_flags(line) << "\n";
 }
 
 // A line an object and frame, in the order of the frames.

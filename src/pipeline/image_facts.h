@@ -1,5 +1,5 @@
 #pragma once
-/// What can be measured on an input before anything is fitted, by name: what `--preset auto` decides by.
+/// What can be measured on an input before anything is fitted, by name: what the preset "auto" decides by.
 
 #include <map>
 #include <string>

@@ -70,7 +70,7 @@ PresetChoice choose_preset(const std::vector<Preset>& presets, const Facts& fact
 
 PresetChoice choose_preset_for(const SegmentSettings& typed) {
   if (typed.input.empty()) {
-    throw UsageError("missing flag (-i): --preset auto looks at the input volume; give -i VOLUME");
+    throw SettingError("missing setting", "input", "`preset` auto looks at the input volume; give `input` VOLUME");
   }
   check_seed_files(typed);
   const Volume volume = read_volume(typed.input, {typed.spacing, 0});

@@ -1,5 +1,5 @@
 #pragma once
-/// `--preset auto`: of the presets whose conditions the input's facts meet, the one that asks for most.
+/// The preset "auto": of the presets whose conditions the input's facts meet, the one that asks for most.
 
 #include <array>
 #include <optional>

@@ -86,7 +86,7 @@ SeedRow seed_row(const std::vector<std::string>& cells, const std::string& where
 std::vector<SeedRow> read_seed_table(const fs::path& path) {
   std::ifstream in(path);
   if (!in || fs::is_directory(path)) {
-    throw NoInput(fmt::format("cannot open (--seeds {}): no such file; check the path", path.string()));
+    throw NoInput(fmt::format("cannot open (`seeds` {}): no such file; check the path", path.string()));
   }
   std::vector<SeedRow> rows;
   std::string line;
@@ -114,7 +114,7 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
   }
   if (!inside) {
     throw BadData(
-        fmt::format("points outside the volume (--points {}): none of the {} lies in it; check --coords and "
+        fmt::format("points outside the volume (`points` {}): none of the {} lies in it; check `coords` and "
                     "see the extent with 'pellicle info'",
                     settings.points->string(), points.points.size()));
   }
@@ -135,10 +135,10 @@ std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& 
 }
 
 void check_seed_files(const SegmentSettings& settings) {
-  const auto need = [](const std::string& flag, const fs::path& path) {
+  const auto need = [](const std::string& key, const fs::path& path) {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
-      throw NoInput(fmt::format("no such file (--{} {}): nothing is there; check the path", flag, path.string()));
+      throw NoInput(fmt::format("no such file (`{}` {}): nothing is there; check the path", key, path.string()));
     }
   };
   if (settings.seeds_file) need("seeds", *settings.seeds_file);
@@ -167,7 +167,7 @@ std::vector<ObjectSeed> seeds_from_spheres(const SegmentSettings& settings, cons
     add(row);
     if (!grid.contains(std::get<SeedSphere>(objects.back().candidates[0]).center)) {
       throw UsageError(
-          fmt::format("seed outside the volume (seed {}): no voxel is there; check --coords and "
+          fmt::format("seed outside the volume (seed {}): no voxel is there; check `coords` and "
                       "see the extent with 'pellicle info'",
                       place(row)));
     }
@@ -177,7 +177,7 @@ std::vector<ObjectSeed> seeds_from_spheres(const SegmentSettings& settings, cons
       add(row);
       if (!grid.contains(std::get<SeedSphere>(objects.back().candidates[0]).center)) {
         throw BadData(
-            fmt::format("seed outside the volume ({}): {}; check --coords and see the extent with 'pellicle info'",
+            fmt::format("seed outside the volume ({}): {}; check `coords` and see the extent with 'pellicle info'",
                         settings.seeds_file->string(), place(row)));
       }
     }
@@ -194,17 +194,17 @@ std::vector<ObjectSeed> seeds_from_mask(const SegmentSettings& settings) {
   }
   if (argument.label) {
     if (labels.count(*argument.label) == 0 || *argument.label == 0) {
-      throw BadData(fmt::format("empty seed (--seed-mask {}): label {} has no voxel; the file holds {} labels",
+      throw BadData(fmt::format("empty seed (`seed-mask` {}): label {} has no voxel; the file holds {} labels",
                                 *settings.seed_mask, *argument.label, labels.size()));
     }
     labels = {*argument.label};
   }
   if (labels.empty()) {
     throw BadData(
-        fmt::format("empty seed (--seed-mask {}): the mask has no voxel; seed with a sphere", *settings.seed_mask));
+        fmt::format("empty seed (`seed-mask` {}): the mask has no voxel; seed with a sphere", *settings.seed_mask));
   }
   if (*labels.begin() < 1 || *labels.rbegin() > 65535) {
-    throw BadData(fmt::format("bad label (--seed-mask {}): labels must lie in 1 to 65535; name one with FILE:LABEL",
+    throw BadData(fmt::format("bad label (`seed-mask` {}): labels must lie in 1 to 65535; name one with FILE:LABEL",
                               *settings.seed_mask));
   }
   std::vector<ObjectSeed> objects;
@@ -227,7 +227,7 @@ std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image
   }
   if (object.candidates.empty()) {
     throw BadData(
-        fmt::format("nothing found ({}): the image shows no object; give a --seed-sphere", settings.input.string()));
+        fmt::format("nothing found ({}): the image shows no object; give a `seed-sphere`", settings.input.string()));
   }
   return {object};
 }
@@ -255,16 +255,15 @@ std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageG
     objects = seeds_found(settings, image);
   }
   if (objects.size() > 1 && settings.points) {
-    throw UsageError(
-        fmt::format("expert points of which object (--points {}): there are {} objects; fit the one that "
-                    "they belong to alone",
-                    settings.points->string(), objects.size()));
+    throw SettingError(
+        "expert points of which object", "points", settings.points->string(),
+        fmt::format("there are {} objects; fit the one that they belong to alone", objects.size()));
   }
   std::set<int> labels;
   for (auto& object : objects) {
     if (!labels.insert(object.label).second) {
-      throw UsageError(
-          fmt::format("label given twice (--seeds): {} names two objects; make the labels unique", object.label));
+      throw SettingError("label given twice", "seeds",
+                         fmt::format("{} names two objects; make the labels unique", object.label));
     }
     if (object.name.empty()) object.name = fmt::format("object-{}", object.label);
   }

@@ -36,14 +36,14 @@ struct SeedRow {
 };
 std::vector<SeedRow> read_seed_table(const std::filesystem::path& path);
 
-/// The file of --points in LPS mm. \throws NoInput, BadData (no point in the volume, file contents).
+/// The file of `points` in LPS mm. \throws NoInput, BadData (no point in the volume, file contents).
 ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid& grid);
 
 /// Where a fit to points may start when they say where the object is all around (ellipsoid_of): the solid that they
 /// outline (seed/point_outline.h), as a surface; the ball about them where they outline none. None where they do not.
 std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitSettings& fit);
 
-/// Existence of every file that the seeds and --points name. \throws NoInput.
+/// Existence of every file that the seeds and `points` name. \throws NoInput.
 void check_seed_files(const SegmentSettings& settings);
 
 /// Empty for many objects that the user gave no seeds for. \throws NoInput, BadData (file contents), UsageError (a

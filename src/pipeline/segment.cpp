@@ -57,7 +57,7 @@ void measure(ObjectResult& object, const SegmentSettings& settings, const ImageG
   object.mesh_level = mesh_level(settings, object.surface, grid);
   object.mesh = tessellate(object.surface, object.mesh_level);
   for (const auto& vertex : object.mesh.vertices) {
-    if (!vertex.allFinite()) throw Error(1, "fit failed (object): the surface is not finite; please report this");
+    if (!vertex.allFinite()) throw Failure("fit failed (object): the surface is not finite; please report this");
   }
   turn_outward(object.mesh);  // a surface that was turned inside out keeps its status
   // Coarse meshes that the user asked for still get the volume of the smooth surface.
@@ -248,7 +248,7 @@ void check_before_work(const SegmentSettings& settings) {
   settings.validate();
   std::error_code ignored;
   if (!fs::exists(settings.input, ignored)) {
-    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", settings.input.string()));
+    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", settings.input.string()));
   }
   check_seed_files(settings);
   std::vector<int> labels;

@@ -21,7 +21,7 @@ struct RunContext {
   std::vector<std::string> command_line;  ///< for the report
   Progress progress;
   std::function<void(const std::string&)> inform, warn;
-  std::optional<PresetChoice> chosen_preset = {};  ///< with --preset auto, for the report
+  std::optional<PresetChoice> chosen_preset = {};  ///< with `preset` auto, for the report
 };
 
 /// What is told of each of many objects beside what is told of one.
@@ -50,7 +50,7 @@ struct ObjectResult {
   std::string name;
   Surface surface;
   FitSummary fit = {};
-  std::vector<TraceFrame> trace = {};  ///< when --trace asks for it
+  std::vector<TraceFrame> trace = {};  ///< when `trace` asks for it
   TriangleMesh mesh = {};              ///< as written: closed, outward, LPS mm
   int mesh_level = 0;
   MeshTopology topology = {};
@@ -91,7 +91,7 @@ struct SegmentResult {
   std::size_t nan_count = 0, inf_count = 0;
   float min = 0.0F, max = 0.0F;
   std::vector<ObjectResult> objects;
-  std::optional<ManySummary> many;  ///< with --objects many
+  std::optional<ManySummary> many;  ///< with `objects` many
   std::optional<int> frame;         ///< of a time series, from 0
   std::vector<InputFile> inputs;
   std::vector<OutputFile> outputs;                      ///< all but the report itself

@@ -171,7 +171,7 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
   clock.stop();
   if (many.objects.size() > static_cast<std::size_t>(kMostLabels)) {
     throw BadData(
-        fmt::format("too many objects ({}): {} were found, a label map holds {}; crop the image or give --radius",
+        fmt::format("too many objects ({}): {} were found, a label map holds {}; crop the image or give `radius`",
                     result.settings.input.string(), many.objects.size(), kMostLabels));
   }
   const double each = clock.seconds().front().second / std::max<double>(1.0, static_cast<double>(many.objects.size()));
@@ -190,7 +190,7 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
     result.objects.push_back(std::move(object));
   }
   if (many.objects.empty())
-    tell(context, result, "no object found: nothing rises above the noise; see --radius and --polarity");
+    tell(context, result, "no object found: nothing rises above the noise; see `radius` and `polarity`");
   if (!seeds.empty() && many.doubled > 0) {
     tell(context, result,
          fmt::format("{} of the {} seeds lie in the object of another one: one object each is kept", many.doubled,
