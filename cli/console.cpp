@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "flag_text.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/output/provenance.h"
 
@@ -31,13 +32,13 @@ void Console::configure(const ConsoleOptions& options) {
 }
 
 void Console::inform(const std::string& message) {
-  log(spdlog::level::info, "info", message);
+  log(spdlog::level::info, "info", with_flags(message));
 }
 void Console::notice(const std::string& message) {
-  log(spdlog::level::warn, "note", message);
+  log(spdlog::level::warn, "note", with_flags(message));
 }
 void Console::warn(const std::string& message) {
-  log(spdlog::level::warn, "warning", message);
+  log(spdlog::level::warn, "warning", with_flags(message));
 }
 void Console::error(const std::string& message) {
   log(spdlog::level::err, "error", message);

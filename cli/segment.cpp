@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "commands.h"
+#include "flag_text.h"
 #include "hosts/boutiques_description.h"
 #include "hosts/slicer_description.h"
 #include "hosts/slicer_progress.h"
@@ -125,7 +126,7 @@ void print_presets() {
 void print_energies() {
   for (const auto& energy : energy_descriptions()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
-                             energy.text);
+                             with_flags(energy.text));
   }
 }
 
@@ -143,7 +144,7 @@ void print_dry_run(const SegmentSettings& settings) {
 void print_preview(const SegmentSettings& settings, Console& console) {
   const SeedPreview preview = preview_seeds(settings, console.observer());
   std::cout << "\n# What a run would do; the seeds are drawn in " << preview.picture.string() << "\n";
-  for (const std::string& line : preview.lines) std::cout << "# " << line << "\n";
+  for (const std::string& line : preview.lines) std::cout << "# " << with_flags(line) << "\n";
 }
 
 // A line an object and frame, in the order of the frames.

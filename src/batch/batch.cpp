@@ -94,7 +94,7 @@ class Batch {
     std::error_code ignored;
     if (!settings_.resume && !settings_.overwrite && fs::exists(result_.table, ignored)) {
       throw CannotCreate(
-          fmt::format("output exists ({}): give --resume to go on, --overwrite to start anew, or another folder",
+          fmt::format("output exists ({}): give `resume` to go on, `overwrite` to start anew, or another folder",
                       result_.table.string()));
     }
     check_outputs({result_.table}, true, {});
@@ -246,13 +246,13 @@ class Batch {
 }  // namespace
 
 void BatchSettings::validate() const {
-  if (output.empty()) throw UsageError("missing flag (-o): no output folder; give -o DIR");
-  if (jobs < 1) throw UsageError(fmt::format("bad value (--jobs {}): must be 1 or more", jobs));
+  if (output.empty()) throw SettingError("missing setting", "output", "no output folder; give `output` DIR");
+  if (jobs < 1) throw SettingError("bad value", "jobs", std::to_string(jobs), "must be 1 or more");
   if (threads < 0)
-    throw UsageError(fmt::format("bad value (--threads {}): must be 1 or more; 0 means all cores", threads));
+    throw SettingError("bad value", "threads", std::to_string(threads), "must be 1 or more; 0 means all cores");
   if (resume && overwrite) {
-    throw UsageError(
-        "conflicting flags (--resume, --overwrite): one keeps what is there, the other replaces it; keep one");
+    throw SettingError("conflicting settings", "resume, overwrite",
+                       "one keeps what is there, the other replaces it; keep one");
   }
 }
 

@@ -165,14 +165,14 @@ std::string bids_table_name(const BidsSettings& settings) {
 
 void BidsSettings::validate() const {
   if (!is_bids_label(suffix))
-    throw UsageError(fmt::format("bad value (--suffix {}): must be letters and digits", suffix));
-  if (!is_bids_label(desc)) throw UsageError(fmt::format("bad value (--desc {}): must be letters and digits", desc));
+    throw SettingError("bad value", "suffix", suffix, "must be letters and digits");
+  if (!is_bids_label(desc)) throw SettingError("bad value", "desc", desc, "must be letters and digits");
   const auto wanted = common.find("write");
   if (wanted == common.end()) return;
   const auto kinds = split_commas(wanted->second.front());
   if (std::find(kinds.begin(), kinds.end(), "mask") == kinds.end()) {
-    throw UsageError(
-        fmt::format("nothing for the dataset (--write {}): masks are what it holds; add mask", wanted->second.front()));
+    throw SettingError("nothing for the dataset", "write", wanted->second.front(),
+                       "masks are what it holds; add mask");
   }
 }
 
@@ -188,7 +188,7 @@ std::vector<BidsImage> find_bids_images(const BidsSettings& settings) {
   }
   for (const auto& label : settings.participants) {
     if (fs::is_directory(settings.dataset / with_prefix(label, "sub-"), ignored)) continue;
-    throw NoInput(fmt::format("no such participant (--participant-label {}): {} has no folder {}", label,
+    throw NoInput(fmt::format("no such participant (`participant-label` {}): {} has no folder {}", label,
                               settings.dataset.string(), with_prefix(label, "sub-")));
   }
   std::vector<BidsImage> images;
@@ -199,7 +199,7 @@ std::vector<BidsImage> find_bids_images(const BidsSettings& settings) {
     }
   }
   if (images.empty()) {
-    throw NoInput(fmt::format("no image ({}): no sub-*/[ses-*/]anat/*_{}.nii[.gz] is here; see --suffix",
+    throw NoInput(fmt::format("no image ({}): no sub-*/[ses-*/]anat/*_{}.nii[.gz] is here; see `suffix`",
                               settings.dataset.string(), settings.suffix));
   }
   std::sort(images.begin(), images.end(), [](const BidsImage& a, const BidsImage& b) { return a.path < b.path; });

@@ -119,7 +119,7 @@ void check_column(const std::string& column, std::size_t line, const std::string
   const std::string where = fmt::format("{}:{}, column '{}'", origin, line, column);
   if (key_named(column) != nullptr) {
     throw UsageError(
-        fmt::format("bad column ({}): this is the same for all cases; give --{} to 'pellicle batch'", where, column));
+        fmt::format("bad column ({}): this is the same for all cases; give `{}` to 'pellicle batch'", where, column));
   }
   throw UsageError(fmt::format(
       "unknown column ({}): columns are the flags of 'pellicle segment' without dashes, such as input or seed-sphere",
@@ -273,14 +273,14 @@ std::vector<BatchCase> cases_of_patterns(const std::vector<std::string>& pattern
 }
 
 Shard parse_shard(const std::string& text) {
-  const std::string where = fmt::format("--shard {}", text);
+  const auto refuse = [&text](const std::string& why) { throw SettingError("bad value", "shard", text, why); };
   const auto slash = text.find('/');
-  if (slash == std::string::npos)
-    throw UsageError(fmt::format("bad value ({}): write it like 2/8, the second of eight parts", where));
-  const Shard shard{integer_of(text.substr(0, slash), where), integer_of(text.substr(slash + 1), where)};
+  if (slash == std::string::npos) refuse("write it like 2/8, the second of eight parts");
+  const auto index = integer_in(text.substr(0, slash)), count = integer_in(text.substr(slash + 1));
+  if (!index || !count) refuse("both parts must be whole numbers; write it like 2/8");
+  const Shard shard{*index, *count};
   if (shard.index < 1 || shard.index > shard.count) {
-    throw UsageError(
-        fmt::format("bad value ({}): the part must be 1 to the number of parts; write it like 2/8", where));
+    refuse("the part must be 1 to the number of parts; write it like 2/8");
   }
   return shard;
 }

@@ -76,7 +76,7 @@ void fit_many_objects(Image<float> image, const std::vector<ObjectSeed>& seeds, 
   clock.stop();
   if (many.objects.size() > kMostLabels) {
     throw BadData(fmt::format(
-        "too many objects (label map): {} were found, it holds {}; crop the image or give the radius of the objects",
+        "too many objects (label map): {} were found, it holds {}; crop the image or give `radius`",
         many.objects.size(), kMostLabels));
   }
   const double each = clock.seconds().front().second / std::max<double>(1.0, static_cast<double>(many.objects.size()));
@@ -96,7 +96,7 @@ void fit_many_objects(Image<float> image, const std::vector<ObjectSeed>& seeds, 
     result.objects.push_back(std::move(object));
   }
   if (many.objects.empty())
-    tell(observer, result, "no object found: nothing rises above the noise; see --radius and --polarity");
+    tell(observer, result, "no object found: nothing rises above the noise; see `radius` and `polarity`");
   if (!seeds.empty() && many.doubled > 0) {
     tell(observer, result,
          fmt::format("{} of the {} seeds lie in the object of another one: one object each is kept", many.doubled,

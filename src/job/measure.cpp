@@ -95,7 +95,7 @@ void measure_shape(const TriangleMesh& fine, const ImageGrid& grid, ObjectResult
 void check_finite(const TriangleMesh& mesh) {
   const bool finite =
       std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& vertex) { return vertex.allFinite(); });
-  if (!finite) throw Error(1, "fit failed (object): the surface is not finite; please report this");
+  if (!finite) throw Failure("fit failed (object): the surface is not finite; please report this");
 }
 
 void measure_object(ObjectResult& object, const ImageGrid& grid, const SegmentOptions& options, MeshLayouts& layouts) {

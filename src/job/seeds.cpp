@@ -66,8 +66,8 @@ std::vector<ObjectSeed> numbered(std::vector<ObjectSeed> seeds) {
   std::set<int> labels;
   for (ObjectSeed& object : seeds) {
     if (!labels.insert(object.label).second) {
-      throw UsageError(
-          fmt::format("label given twice (seeds): {} names two objects; make the labels unique", object.label));
+      throw SettingError("label given twice", "seeds",
+                         fmt::format("{} names two objects; make the labels unique", object.label));
     }
     if (object.name.empty()) object.name = fmt::format("object-{}", object.label);
   }

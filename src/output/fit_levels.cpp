@@ -144,13 +144,13 @@ class Levels {
     tell(0.1, "laying the surface out on a sphere");
     if (result_.input.solid.triangles.empty()) {
       throw BadData(
-          fmt::format("cannot fit ({}): a sphere cannot be laid around data of genus {}; give --model "
+          fmt::format("cannot fit ({}): a sphere cannot be laid around data of genus {}; give `model` "
                       "catmull-clark or slime",
                       result_.input.file.string(), result_.input.genus));
     }
     if (result_.input.genus > 0) {
       result_.input.warnings.push_back(fmt::format(
-          "the data have genus {}: a sphere covers them with their holes bridged; --model catmull-clark or slime keeps "
+          "the data have genus {}: a sphere covers them with their holes bridged; `model` catmull-clark or slime keeps "
           "the holes",
           result_.input.genus));
       observer_.tell_warning(fmt::format("{}: {}", result_.input.file.string(), result_.input.warnings.back()));
@@ -371,16 +371,13 @@ class Levels {
 
 void check_model(ModelKind kind, const GeometryInput& input) {
   if (input.grid && !std::holds_alternative<SplineModel>(start_model({.kind = kind}))) {
-    throw UsageError(
-        fmt::format("bad value (--model {}): a grid of points (u_index, v_index) is interpolated by a "
-                    "spline; give --model spline, spline-torus, spline-cylinder or spline-rectangle",
-                    name_of(kind)));
+    throw SettingError("bad value", "model", name_of(kind),
+                       "a grid of points (u_index, v_index) is interpolated by a spline; give `model` spline, "
+                       "spline-torus, spline-cylinder or spline-rectangle");
   }
   if (!input.grid && kind != ModelKind::spline && !takes_any_genus(kind)) {
-    throw UsageError(
-        fmt::format("bad value (--model {}): points without a grid are fitted by normal, spline, "
-                    "catmull-clark and slime",
-                    name_of(kind)));
+    throw SettingError("bad value", "model", name_of(kind),
+                       "points without a grid are fitted by normal, spline, catmull-clark and slime");
   }
 }
 

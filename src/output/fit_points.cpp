@@ -59,7 +59,7 @@ void measure_mesh(GeometryFitResult& result) {
   const Surface& surface = result.tried[result.chosen].fit.surface;
   result.mesh = tessellate(surface, result.settings.mesh_density.value_or(density_for(surface)));
   for (const Vec3& v : result.mesh.vertices) {
-    if (!v.allFinite()) throw Error(1, "fit failed (surface): it is not finite; please report this");
+    if (!v.allFinite()) throw Failure("fit failed (surface): it is not finite; please report this");
   }
   const bool closed = is_closed(surface.model);
   if (closed && volume_of(result.mesh) < 0.0) {
@@ -98,8 +98,8 @@ std::vector<int> GeometryFitSettings::rungs() const {
 }
 
 void GeometryFitSettings::validate() const {
-  const auto refuse = [](const std::string& flag, const std::string& value, const std::string& rule) {
-    throw UsageError(fmt::format("bad value (--{} {}): {}", flag, value, rule));
+  const auto refuse = [](const std::string& key, const std::string& value, const std::string& rule) {
+    throw SettingError("bad value", key, value, rule);
   };
   const bool spline = model.kind == ModelKind::spline;
   const int most_detail = spline ? 3 : 12;
@@ -112,19 +112,18 @@ void GeometryFitSettings::validate() const {
   if (tolerance_percent && !(*tolerance_percent > 0.0))
     refuse("tolerance-percent", fmt::format("{}", *tolerance_percent), "must be positive");
   if (tolerance_mm && tolerance_percent)
-    throw UsageError("conflicting flags (--tolerance-mm, --tolerance-percent): give one of them");
+    throw SettingError("conflicting settings", "tolerance-mm, tolerance-percent", "give one of them");
   if (!(smoothness > 0.0 && std::isfinite(smoothness)))
     refuse("smoothness", fmt::format("{}", smoothness), "must be positive");
   if (mesh_density && (*mesh_density < 0 || *mesh_density > 7))
     refuse("mesh-density", std::to_string(*mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
   if (open && model.kind != ModelKind::catmull_clark)
-    throw UsageError("flag without its model (--open): surfaces with a rim are fitted by --model catmull-clark");
+    throw SettingError("setting without its model", "open", "surfaces with a rim are fitted by `model` catmull-clark");
   if ((size || !ladder.empty()) && !spline)
-    throw UsageError("flag without its model (--size, --ladder): they are about splines; give --model spline");
+    throw SettingError("setting without its model", "size, ladder", "they are about splines; give `model` spline");
   if ((size ? 1 : 0) + (ladder.empty() ? 0 : 1) + (detail || tolerance_mm || tolerance_percent ? 1 : 0) > 1) {
-    throw UsageError(
-        "conflicting flags (--size, --ladder, --detail or a tolerance): each says how many control points there are; "
-        "give one");
+    throw SettingError("conflicting settings", "size, ladder, detail, tolerance-mm, tolerance-percent",
+                       "each says how many control points there are; give one");
   }
   if (size && ((*size)[0] < 4 || (*size)[1] < 2 || (*size)[0] > 100 || (*size)[1] > 100)) {
     refuse("size", fmt::format("{},{}", (*size)[0], (*size)[1]), "M1 must be 4 to 100 and M2 2 to 100");
@@ -135,7 +134,7 @@ void GeometryFitSettings::validate() const {
   for (const std::string& kind : write) {
     if (kind != "mesh" && kind != "model" && kind != "report") refuse("write", kind, "choose from mesh, model, report");
   }
-  if (write.empty()) throw UsageError("bad value (--write): nothing is to be written; choose from mesh, model, report");
+  if (write.empty()) throw SettingError("bad value", "write", "nothing is to be written; choose from mesh, model, report");
   if (threads < 0) refuse("threads", std::to_string(threads), "must be 0 (all) or more");
 }
 
@@ -169,7 +168,7 @@ GeometryFitResult fit_to_files(const GeometryFitSettings& settings, const RunRec
   const fs::path file = parse_mask_argument(settings.input).file;
   std::error_code ignored;
   if (!fs::exists(file, ignored)) {
-    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", file.string()));
+    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", file.string()));
   }
   const std::vector<PlannedFile> plan = plan_of(result.settings);
   check_outputs(paths_of(plan), settings.overwrite, {file});

@@ -92,7 +92,7 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
   try {
     input.body = filled_cup(points, spacing);
     input.data.rim = rims_of(input.body, {tree, plane_normals(tree)});
-    if (input.data.rim.empty()) throw BadData("its points end nowhere; leave --open out for a closed surface");
+    if (input.data.rim.empty()) throw BadData("its points end nowhere; leave `open` out for a closed surface");
     std::vector<Vec3> closed = lids_of(input.data.rim, spacing);
     closed.insert(closed.end(), points.begin(), points.end());
     ClosedSolid solid = solid_of_points(closed, spacing);
@@ -165,10 +165,9 @@ GeometryInput from_points(const fs::path& path, bool open) {
   }
   input.grid = std::move(cloud.grid);
   if (input.grid && open) {
-    throw UsageError(
-        fmt::format("bad value (--open, -i {}): a grid of points is interpolated; leave --open out (spline-cylinder "
-                    "and spline-rectangle are open)",
-                    path.string()));
+    throw SettingError("bad value", "open, input", path.string(),
+                       "a grid of points is interpolated; leave `open` out (spline-cylinder and spline-rectangle are "
+                       "open)");
   }
   if (input.grid) {
     input.data.robust = false;
@@ -253,16 +252,16 @@ GeometryInput read_geometry(const std::string& argument, bool open) {
   const MaskArgument mask = parse_mask_argument(argument);
   std::error_code ignored;
   if (!fs::exists(mask.file, ignored)) {
-    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", mask.file.string()));
+    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", mask.file.string()));
   }
   const bool points = !fs::is_directory(mask.file, ignored) && is_point_file(mask.file);
   const bool mesh = !points && is_mesh_file(mask.file);
   if ((points || mesh) && mask.label) {
-    throw UsageError(
-        fmt::format("bad value (-i {}): only a label map has labels; leave ':{}' away", argument, *mask.label));
+    throw SettingError("bad value", "input", argument,
+                       fmt::format("only a label map has labels; leave ':{}' away", *mask.label));
   }
   if (open && !points && !mesh) {
-    throw UsageError(fmt::format("bad value (--open, -i {}): a mask is closed; leave --open out", argument));
+    throw SettingError("bad value", "open, input", argument, "a mask is closed; leave `open` out");
   }
   GeometryInput input = points ? from_points(mask.file, open)
                         : mesh ? from_mesh(mask.file, open)

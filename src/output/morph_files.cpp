@@ -88,27 +88,27 @@ void write_steps(const MorphResult& result, const Observer& observer) {
 }  // namespace
 
 void MorphSettings::validate() const {
-  const auto require = [](bool ok, const std::string& flag, const std::string& rule) {
-    if (!ok) throw UsageError(fmt::format("bad value ({}): {}", flag, rule));
+  const auto require = [](bool ok, const std::string& key, const auto& value, const std::string& rule) {
+    if (!ok) throw SettingError("bad value", key, fmt::format("{}", value), rule);
   };
-  require(steps >= 1 && steps <= most_steps, fmt::format("--steps {}", steps),
+  require(steps >= 1 && steps <= most_steps, "steps", steps,
           fmt::format("must lie between 1 and {}", most_steps));
-  for (const auto& [flag, tau] : {std::pair{"--from", from}, std::pair{"--to", to}}) {
-    require(std::abs(tau) <= farthest_tau, fmt::format("{} {}", flag, tau),
+  for (const auto& [key, tau] : {std::pair{"from", from}, std::pair{"to", to}}) {
+    require(std::abs(tau) <= farthest_tau, key, tau,
             fmt::format("must lie between -{0} and {0}; A is 0, B is 1", farthest_tau));
   }
-  require(steps == 1 || from != to, fmt::format("--to {}", to),
-          "is the same as --from, all steps would be one; change one of them or give --steps 1");
+  require(steps == 1 || from != to, "to", to,
+          "is the same as `from`, all steps would be one; change one of them or give `steps` 1");
   require(!mesh_density || (*mesh_density >= 0 && *mesh_density <= 7),
-          fmt::format("--mesh-density {}", mesh_density.value_or(0)), "must lie between 0 and 7");
-  require(threads >= 0, fmt::format("--threads {}", threads), "must be 0 (all) or more");
-  require(name.find('/') == std::string::npos, fmt::format("--name {}", name), "must be a file stem without folders");
+          "mesh-density", mesh_density.value_or(0), "must lie between 0 and 7");
+  require(threads >= 0, "threads", threads, "must be 0 (all) or more");
+  require(name.find('/') == std::string::npos, "name", name, "must be a file stem without folders");
 }
 
 MorphSpace morph_space_from_name(const std::string& name) {
   if (name == "plane") return MorphSpace::plane;
   if (name == "sphere") return MorphSpace::sphere;
-  throw UsageError(fmt::format("unknown space (--space {}): choose plane or sphere", name));
+  throw SettingError("unknown space", "space", name, "choose plane or sphere");
 }
 
 std::string name_of(MorphSpace space) {

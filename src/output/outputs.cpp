@@ -114,7 +114,7 @@ void check_outputs(const std::vector<fs::path>& paths, bool overwrite, const std
     check_folder(path.parent_path());
     for (const auto& input : inputs) {
       if (fs::equivalent(path, input, ignored)) {
-        throw UsageError(fmt::format("output is an input ({}): it would be replaced; choose another --name or folder",
+        throw UsageError(fmt::format("output is an input ({}): it would be replaced; choose another `name` or folder",
                                      path.string()));
       }
     }
@@ -123,7 +123,7 @@ void check_outputs(const std::vector<fs::path>& paths, bool overwrite, const std
     }
     if (!overwrite && fs::exists(path, ignored)) {
       throw CannotCreate(fmt::format(
-          "output exists ({}): it is not replaced; give --overwrite, another --name or folder", path.string()));
+          "output exists ({}): it is not replaced; give `overwrite`, another `name` or folder", path.string()));
     }
   }
 }

@@ -21,7 +21,7 @@ std::size_t seeded_objects(const SegmentSettings& settings) {
 
 PresetChoice choose_preset_for(const SegmentSettings& typed) {
   if (typed.input.empty()) {
-    throw UsageError("missing flag (-i): --preset auto looks at the input volume; give -i VOLUME");
+    throw SettingError("missing setting", "input", "`preset` auto looks at the input volume; give `input` VOLUME");
   }
   check_seed_files(typed);
   const Volume volume = read_volume(typed.input, {typed.spacing, 0});

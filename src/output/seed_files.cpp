@@ -83,7 +83,7 @@ SeedRow seed_row(const std::vector<std::string>& cells, const std::string& where
 std::vector<SeedRow> read_seed_table(const fs::path& path) {
   std::ifstream in(path);
   if (!in || fs::is_directory(path)) {
-    throw NoInput(fmt::format("cannot open (--seeds {}): no such file; check the path", path.string()));
+    throw NoInput(fmt::format("cannot open (`seeds` {}): no such file; check the path", path.string()));
   }
   std::vector<SeedRow> rows;
   std::string line;
@@ -111,7 +111,7 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
   }
   if (!inside) {
     throw BadData(
-        fmt::format("points outside the volume (--points {}): none of the {} lies in it; check --coords and "
+        fmt::format("points outside the volume (`points` {}): none of the {} lies in it; check `coords` and "
                     "see the extent with 'pellicle info'",
                     settings.points->string(), points.points.size()));
   }
@@ -119,10 +119,10 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
 }
 
 void check_seed_files(const SegmentSettings& settings) {
-  const auto need = [](const std::string& flag, const fs::path& path) {
+  const auto need = [](const std::string& key, const fs::path& path) {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
-      throw NoInput(fmt::format("no such file (--{} {}): nothing is there; check the path", flag, path.string()));
+      throw NoInput(fmt::format("no such file (`{}` {}): nothing is there; check the path", key, path.string()));
     }
   };
   if (settings.seeds_file) need("seeds", *settings.seeds_file);
@@ -151,7 +151,7 @@ std::vector<ObjectSeed> seeds_from_spheres(const SegmentSettings& settings, cons
     add(row);
     if (!grid.contains(std::get<SeedSphere>(objects.back().candidates[0]).center)) {
       throw UsageError(
-          fmt::format("seed outside the volume (seed {}): no voxel is there; check --coords and "
+          fmt::format("seed outside the volume (seed {}): no voxel is there; check `coords` and "
                       "see the extent with 'pellicle info'",
                       place(row)));
     }
@@ -161,7 +161,7 @@ std::vector<ObjectSeed> seeds_from_spheres(const SegmentSettings& settings, cons
       add(row);
       if (!grid.contains(std::get<SeedSphere>(objects.back().candidates[0]).center)) {
         throw BadData(
-            fmt::format("seed outside the volume ({}): {}; check --coords and see the extent with 'pellicle info'",
+            fmt::format("seed outside the volume ({}): {}; check `coords` and see the extent with 'pellicle info'",
                         settings.seeds_file->string(), place(row)));
       }
     }
@@ -173,14 +173,14 @@ std::vector<ObjectSeed> seeds_from_mask(const SegmentSettings& settings) {
   const MaskArgument argument = parse_mask_argument(*settings.seed_mask);
   const LabelVolume volume = read_labels(argument.file);
   return seeds_of_labels(volume.labels, argument.label, settings.fit,
-                         fmt::format("--seed-mask {}", *settings.seed_mask));
+                         fmt::format("`seed-mask` {}", *settings.seed_mask));
 }
 
 ObjectSeed seed_found(const SegmentSettings& settings, const Image<float>& image) {
   ObjectSeed object = find_object(image, settings.fit);
   if (object.candidates.empty()) {
     throw BadData(
-        fmt::format("nothing found ({}): the image shows no object; give a --seed-sphere", settings.input.string()));
+        fmt::format("nothing found ({}): the image shows no object; give a `seed-sphere`", settings.input.string()));
   }
   return object;
 }
@@ -208,10 +208,9 @@ std::vector<ObjectSeed> read_seeds(const SegmentSettings& settings, const ImageG
     objects = {seed_found(settings, image)};
   }
   if (objects.size() > 1 && settings.points) {
-    throw UsageError(
-        fmt::format("expert points of which object (--points {}): there are {} objects; fit the one that "
-                    "they belong to alone",
-                    settings.points->string(), objects.size()));
+    throw SettingError(
+        "expert points of which object", "points", settings.points->string(),
+        fmt::format("there are {} objects; fit the one that they belong to alone", objects.size()));
   }
   if (settings.points) objects.front().points = settings.fit.points;
   return numbered(std::move(objects));

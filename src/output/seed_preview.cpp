@@ -41,7 +41,7 @@ std::string words_of(const Seed& seed) {
                      ball->center[2], ball->radius);
 }
 
-/// What a run would start from: objects that were asked for, or places where --objects many would look for some.
+/// What a run would start from: objects that were asked for, or places where `objects` many would look for some.
 struct Starts {
   std::vector<ObjectSeed> seeds;
   bool looked_for = false;
@@ -96,7 +96,7 @@ void add_lines(const SegmentSettings& settings, const Starts& starts, SeedPrevie
       preview.lines.push_back(fmt::format("would write {}{}", file.path.string(),
                                           !exists              ? ""
                                           : settings.overwrite ? ", replacing what is there"
-                                                               : ", but it exists: give --overwrite"));
+                                                               : ", but it exists: give `overwrite`"));
   }
 }
 

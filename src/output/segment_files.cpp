@@ -123,7 +123,7 @@ void check_before_work(const SegmentSettings& settings) {
   settings.validate();
   std::error_code ignored;
   if (!fs::exists(settings.input, ignored)) {
-    throw NoInput(fmt::format("no such file (-i {}): nothing is there; check the path", settings.input.string()));
+    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", settings.input.string()));
   }
   check_seed_files(settings);
   std::vector<int> labels;

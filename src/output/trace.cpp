@@ -43,7 +43,7 @@ void check_trace(const TraceFiles& files, bool overwrite) {
   const std::vector<fs::path> found = earlier_files(files);
   if (!overwrite && !found.empty()) {
     throw CannotCreate(
-        fmt::format("output exists (--trace {}): {} is not replaced; give --overwrite, another --name "
+        fmt::format("output exists (`trace` {}): {} is not replaced; give `overwrite`, another `name` "
                     "or folder",
                     files.folder.string(), found.front().filename().string()));
   }

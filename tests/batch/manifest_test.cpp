@@ -8,6 +8,7 @@
 #include <set>
 
 #include "../temporary_folder.h"
+#include "../../cli/exit_codes.h"
 #include "pellicle/base/errors.h"
 
 namespace pellicle {
@@ -63,7 +64,7 @@ TEST_P(BadTables, AreRefusedWithThePlace) {
     manifest(folder, GetParam().text);
     FAIL() << "no error";
   } catch (const Error& fault) {
-    EXPECT_EQ(fault.exit_code(), GetParam().exit_code) << fault.what();
+    EXPECT_EQ(cli::exit_code_of(fault.category()), GetParam().exit_code) << fault.what();
     EXPECT_THAT(fault.what(), HasSubstr(GetParam().message));
     EXPECT_THAT(fault.what(), HasSubstr("m.csv"));
     EXPECT_THAT(fault.what(), testing::Not(HasSubstr("\n")));

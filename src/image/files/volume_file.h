@@ -39,7 +39,7 @@ struct Volume {
 };
 
 struct ReadOptions {
-  std::optional<Vec3> spacing = {};  ///< overrides the file's, mm (--spacing)
+  std::optional<Vec3> spacing = {};  ///< overrides the file's, mm (`spacing`)
   std::optional<int> frame = {};     ///< of a 4D file, from 0; without it a 4D file is refused
 };
 
