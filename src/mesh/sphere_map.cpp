@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/mesh/collapse.h"
 #include "pellicle/mesh/measure.h"
@@ -99,9 +98,10 @@ Polygon clipped(const Polygon& in, double c, const Eigen::Vector2d& g) {
 
 class Mapper {
  public:
-  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings)
+  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer)
       : mesh_(mesh),
         settings_(settings),
+        observer_(observer),
         collapsed_(mesh),
         place_(mesh.vertices.size(), Vec3::Zero()),
         importance_(mesh.vertices.size(), 1.0) {
@@ -116,7 +116,7 @@ class Mapper {
     while (collapsed_.vertex_count() < most) {
       insert(collapsed_.split());
       if (collapsed_.vertex_count() >= next || collapsed_.vertex_count() == most) {
-        check_interrupt();
+        observer_.check_stopped();
         relax_all(collapsed_.vertex_count() < 500 ? 2 * settings_.sweeps : settings_.sweeps);
         next = std::max(next + 4, collapsed_.vertex_count() * 5 / 4);
       }
@@ -331,6 +331,7 @@ class Mapper {
 
   const TriangleMesh& mesh_;
   const SphereMapSettings& settings_;
+  const Observer& observer_;
   CollapsedMesh collapsed_;
   std::vector<Vec3> place_;
   std::vector<double> importance_;
@@ -389,7 +390,7 @@ double spherical_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2.0 * std::atan2(det(a, b, c), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
 }
 
-SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings) {
+SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer) {
   check_indices(mesh);
   const MeshTopology topology = topology_of(mesh);
   if (!topology.closed || !topology.manifold || !topology.oriented) {
@@ -413,7 +414,7 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
     }
     used.triangles.push_back(renumbered);
   }
-  return Mapper(used, settings).run();
+  return Mapper(used, settings, observer).run();
 }
 
 SphereLocator::SphereLocator(const SphereMap& map) : map_(map), across_(map.mesh.triangles.size()) {
