@@ -106,7 +106,7 @@ using Progress = std::function<void(double fraction, const std::string& what)>;
 struct FitResult {
   Surface surface;
   FitSummary summary;
-  std::vector<TraceFrame> trace = {};  ///< on the way to `surface`, as FitSettings::trace_every says
+  std::vector<TraceFrame> trace = {};  ///< on the way to `surface`, as FitOptions::trace_every says
 };
 
 }  // namespace pellicle

@@ -206,7 +206,7 @@ json report_of(const SegmentResult& result, const RunContext& context) {
   report["finished"] = utc_time();
   report["exit_code"] = result.exit_code();
   SegmentSettings resolved = result.settings;
-  resolved.fit.stages = resolved.wants_many() ? stages_of_many(resolved.fit) : stages_of(resolved.fit);
+  resolved.fit.stages = plan_of(resolved).first.stages;
   report["settings"] = json_of(resolved);
   if (context.chosen_preset) {
     report["preset_auto"] = {{"chosen", context.chosen_preset->name},

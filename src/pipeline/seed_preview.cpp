@@ -52,7 +52,8 @@ struct Starts {
 Starts starts_of(const SegmentSettings& settings, const Volume& volume, const Image<float>& image) {
   Starts starts;
   if (!(volume.max > volume.min)) return starts;
-  starts.seeds = make_seeds(settings, volume.header.grid, image);
+  const ExpertPoints points = settings.points ? read_expert_points(settings, volume.header.grid) : ExpertPoints{};
+  starts.seeds = make_seeds(settings, points, volume.header.grid, image);
   starts.looked_for = settings.wants_many() && starts.seeds.empty();
   if (!starts.looked_for) return starts;
   for (const SeedSphere& place : detect_many(image, many_settings(settings))) {
@@ -113,7 +114,6 @@ SeedPreview preview_seeds(const SegmentSettings& settings, const RunContext& con
   }
   SegmentSettings resolved = settings;
   resolved.fit.model.kind = settings.model_kind();
-  if (settings.points) resolved.fit.points = read_expert_points(settings, volume.header.grid);
   const Image<float> image = in_lps_order(volume.image);
   const Starts starts = starts_of(resolved, volume, image);
   SeedPreview preview{.picture = settings.output / (stem_of(settings) + "_seeds.png"), .lines = {}};

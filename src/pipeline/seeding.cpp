@@ -121,7 +121,7 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
   return points;
 }
 
-std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitSettings& fit) {
+std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitOptions& fit) {
   if (!ellipsoid_of(points, {}, grid.mean_spacing())) return std::nullopt;
   try {
     return surface_from_mask(mask_of_points(points.points), fit.model, std::min(2, fit.detail.value_or(2)));
@@ -234,13 +234,14 @@ std::vector<ObjectSeed> seeds_found(const SegmentSettings& settings, const Image
 
 }  // namespace
 
-std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image) {
+std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ExpertPoints& points, const ImageGrid& grid,
+                                   const Image<float>& image) {
   std::vector<ObjectSeed> objects;
   // Points all around the object say more than balls do. A few only say where it ends.
-  const bool told =
+  const bool seeded =
       settings.seed_mask || settings.seed_model || settings.all_seed_spheres().size() > 1 || settings.seeds_file;
-  const bool outlined = settings.points && !told && settings.fit.start_rule == StartRule::automatic;
-  const auto from_points = outlined ? seed_of_points(settings.fit.points, image.grid, settings.fit) : std::nullopt;
+  const bool outlined = settings.points && !seeded && settings.fit.start_rule == StartRule::automatic;
+  const auto from_points = outlined ? seed_of_points(points, image.grid, settings.fit) : std::nullopt;
   if (from_points) {
     objects = {{1, "", {*from_points}}};
   } else if (!settings.all_seed_spheres().empty() || settings.seeds_file) {

@@ -41,13 +41,15 @@ ExpertPoints read_expert_points(const SegmentSettings& settings, const ImageGrid
 
 /// Where a fit to points may start when they say where the object is all around (ellipsoid_of): the solid that they
 /// outline (seed/point_outline.h), as a surface; the ball about them where they outline none. None where they do not.
-std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitSettings& fit);
+std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitOptions& fit);
 
 /// Existence of every file that the seeds and --points name. \throws NoInput.
 void check_seed_files(const SegmentSettings& settings);
 
 /// Empty for many objects that the user gave no seeds for. \throws NoInput, BadData (file contents), UsageError (a
 /// sphere outside the volume, labels given twice).
-std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image);
+/// \param points the expert points of the settings, as read.
+std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ExpertPoints& points, const ImageGrid& grid,
+                                   const Image<float>& image);
 
 }  // namespace pellicle

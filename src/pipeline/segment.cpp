@@ -303,8 +303,8 @@ Volume read_input(const SegmentSettings& settings, const RunContext& context, Se
   return volume;
 }
 
-void fit_objects(const std::vector<ObjectSeed>& seeds, const Image<float>& image, const RunContext& context,
-                 SegmentResult& result) {
+void fit_objects(const std::vector<ObjectSeed>& seeds, const ExpertPoints& points, const Image<float>& image,
+                 const RunContext& context, SegmentResult& result) {
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     check_interrupt();
     PhaseClock clock;
@@ -314,7 +314,7 @@ void fit_objects(const std::vector<ObjectSeed>& seeds, const Image<float>& image
         context.progress(0.1 + 0.7 * (static_cast<double>(i) + share) / static_cast<double>(seeds.size()), what);
       }
     };
-    FitResult fit = fit_surface(image, seeds[i].candidates, result.settings.fit,
+    FitResult fit = fit_surface({image, seeds[i].candidates, points}, result.settings.fit,
                                 {.progress = progress, .stopped = interrupt_requested});
     ObjectResult object{.label = seeds[i].label,
                         .name = seeds[i].name,
@@ -374,10 +374,11 @@ SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& c
   Volume volume = read_input(settings, context, result);
   clock.start("seed");
   tell(0.08, "seeding");
-  if (settings.points) result.settings.fit.points = read_expert_points(settings, result.header.grid);
+  const ExpertPoints points = settings.points ? read_expert_points(settings, result.header.grid) : ExpertPoints{};
   result.settings.fit.trace_every = settings.trace ? settings.trace_every : 0;
-  const auto seeds = start.seeds.empty() ? make_seeds(result.settings, result.header.grid, volume.image) : start.seeds;
-  const auto plan_for = [&](const auto& list) {
+  const auto seeds =
+      start.seeds.empty() ? make_seeds(result.settings, points, result.header.grid, volume.image) : start.seeds;
+  const auto files_for = [&](const auto& list) {
     std::vector<int> labels;
     labels.reserve(list.size());
     for (const auto& one : list) labels.push_back(one.label);
@@ -385,15 +386,15 @@ SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& c
     if (!settings.overwrite) check_outputs(stale_outputs(settings, checked), false, {});
     return checked;
   };
-  auto plan = plan_for(seeds);
+  auto plan = files_for(seeds);
 
   clock.start("fit");
   tell(0.1, "fitting");
   if (settings.wants_many()) {
     fit_many_objects(seeds, settings.writes("qc") ? volume.image : std::move(volume.image), context, result);
-    plan = plan_for(result.objects);
+    plan = files_for(result.objects);
   } else {
-    fit_objects(seeds, volume.image, context, result);
+    fit_objects(seeds, points, volume.image, context, result);
   }
   if (!settings.writes("qc")) std::vector<float>().swap(volume.image.voxels);  // memory that the maps need
 
@@ -405,7 +406,7 @@ SegmentResult segment_frame(const SegmentSettings& settings, const RunContext& c
     maps.labels = measure_many(result, grid, maps.fraction);
     if (start.relabel) {
       start.relabel(result.objects, maps.labels);
-      plan = plan_for(result.objects);
+      plan = files_for(result.objects);
     }
     if (settings.writes("sdf")) maps.distance = distance_to_all(result.objects, grid);
   } else {
