@@ -24,10 +24,11 @@ struct UsageError : Error {
 /// A setting that cannot be honoured. It carries the key of the setting, as the table of settings spells it; a host
 /// shows it in its own way (the command line as the flag `--KEY`).
 struct SettingError : UsageError {
-  /// \param what the thing that is wrong: "detail". \param key "detail"; several: "time-step, mass". \param why the
-  /// rule and the value.
-  SettingError(const std::string& what, const std::string& key, const std::string& why)
-      : UsageError(what + " (" + key + "): " + why), subject(what), key(key), why(why) {}
+  /// \param what the thing that is wrong: "detail".
+  /// \param its_key "detail"; several: "time-step, mass".
+  /// \param reason the rule and the value.
+  SettingError(const std::string& what, const std::string& its_key, const std::string& reason)
+      : UsageError(what + " (" + its_key + "): " + reason), subject(what), key(its_key), why(reason) {}
   std::string subject, key, why;
 };
 /// An input that exists but is broken, inconsistent or of a kind that is not supported.
