@@ -1,5 +1,5 @@
 #pragma once
-/// Errors of the caller's making or of the outside world. Each type has one exit code (sysexits.h); they are thrown
+/// Errors that the caller or the outside world caused. Each type has one exit code (sysexits.h); they are thrown
 /// anywhere and caught only in cli/main.cpp, which prints one line: `pellicle: error: WHAT (WHERE): WHY; HINT`.
 /// A fit that went wrong is never an exception: it is a status in the summary.
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
-#include "pellicle/mesh/rim.h"
-#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/mesh/points/rim.h"
+#include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
