@@ -1,5 +1,5 @@
 #pragma once
-/// Errors that the caller or the outside world caused. Each type has one exit code (sysexits.h); they are thrown
+/// Errors of the caller's making or of the outside world. Each type has one exit code (sysexits.h); they are thrown
 /// anywhere and caught only in cli/main.cpp, which prints one line: `pellicle: error: WHAT (WHERE): WHY; HINT`.
 /// A fit that went wrong is never an exception: it is a status in the summary.
 
@@ -24,11 +24,11 @@ struct UsageError : Error {
 /// A setting that cannot be honoured. It carries the key of the setting, as the table of settings spells it; a host
 /// shows it in its own way (the command line as the flag `--KEY`).
 struct SettingError : UsageError {
-  /// \param what the thing that is wrong: "detail".
-  /// \param its_key "detail"; several: "time-step, mass".
-  /// \param reason the rule and the value.
-  SettingError(const std::string& what, const std::string& its_key, const std::string& reason)
-      : UsageError(what + " (" + its_key + "): " + reason), subject(what), key(its_key), why(reason) {}
+  /// \param of_what the thing that is wrong: "expert points".
+  /// \param its_key "points"; of several: "time-step, mass".
+  /// \param reason the rule and the value that breaks it.
+  SettingError(const std::string& of_what, const std::string& its_key, const std::string& reason)
+      : UsageError(of_what + " (" + its_key + "): " + reason), subject(of_what), key(its_key), why(reason) {}
   std::string subject, key, why;
 };
 /// An input that exists but is broken, inconsistent or of a kind that is not supported.

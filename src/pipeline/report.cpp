@@ -45,7 +45,7 @@ json stage_json(const StageSummary& s) {
           {"samples", s.samples},
           {"steps", s.steps},
           {"solver_iterations", s.solver_iterations},
-          {"reason", s.reason},
+          {"reason", s.reason()},
           {"last_move_mm", number(s.last_move_mm)},
           {"rms_residual_mm", number(s.rms_residual_mm)},
           {"energy_before", weights(s.energy_before)},
@@ -70,7 +70,7 @@ json fit_json(const FitSummary& fit) {
   out["level_inside"] = number(fit.level_inside);
   out["level_outside"] = number(fit.level_outside);
   out["iterations"] = fit.iterations();
-  out["convergence"] = fit.stages.empty() ? json("no stage ran") : json(fit.stages.back().reason);
+  out["convergence"] = fit.stages.empty() ? json("no stage ran") : json(fit.stages.back().reason());
   out["energy_before"] = fit.stages.empty() ? json::object() : weights(fit.stages.front().energy_before);
   out["energy_after"] = fit.stages.empty() ? json::object() : weights(fit.stages.back().energy_after);
   out["evidence"] = {{"score", number(fit.evidence.score)},

@@ -315,7 +315,8 @@ void fit_objects(const std::vector<ObjectSeed>& seeds, const Image<float>& image
         context.progress(0.1 + 0.7 * (static_cast<double>(i) + share) / static_cast<double>(seeds.size()), what);
       }
     };
-    FitResult fit = fit_surface(image, seeds[i].candidates, result.settings.fit, progress);
+    FitResult fit = fit_surface(image, seeds[i].candidates, result.settings.fit,
+                                {.progress = progress, .stopped = interrupt_requested});
     ObjectResult object{.label = seeds[i].label,
                         .name = seeds[i].name,
                         .surface = std::move(fit.surface),

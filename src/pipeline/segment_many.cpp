@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/provenance.h"
@@ -165,8 +166,9 @@ void fit_many_objects(const std::vector<ObjectSeed>& seeds, Image<float> image, 
   clock.start("fit");
   ManyResult many;
   if (result.max > result.min) {
-    many = seeds.empty() ? fit_many(std::move(image), settings, progress)
-                         : fit_many(std::move(image), one_each(seeds), settings, progress);
+    const Observer observer{.progress = progress, .stopped = interrupt_requested};
+    many = seeds.empty() ? fit_many(std::move(image), settings, observer)
+                         : fit_many(std::move(image), one_each(seeds), settings, observer);
   }
   clock.stop();
   if (many.objects.size() > static_cast<std::size_t>(kMostLabels)) {

@@ -22,7 +22,7 @@ VoxelBlock classify_block(unsigned pattern);
 /// than the object.
 /// \throws BadData without points, UsageError unless the spacing is positive.
 Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm);
-/// Whether thin limbs of a mask end where its voxels do, or are followed by single voxels (image/limb_growth.h).
+/// Whether thin limbs of a mask end where its voxels do, or are followed by single voxels (mask/limb_growth.h).
 enum class Limbs { as_voxels_show, followed };
 /// Voxels of `spacing_mm` along the mask's axes of which `fraction` or more is inside: half keeps the size, less keeps
 /// thin limbs. With limbs followed the largest part alone is kept, of its topology; the mask should be one part.
