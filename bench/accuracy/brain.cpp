@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "pellicle/image/files/volume_file.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -13,8 +13,7 @@ namespace {
 Image<std::uint8_t> largest_part(const Image<float>& image) {
   Image<std::uint8_t> mask(image.grid);
   for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = image.voxels[i] > 0.0F ? 1 : 0;
-  const Components parts = components_of(mask);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = parts.labels.voxels[i] == 1 ? 1 : 0;
+  keep_largest_part(mask);
   return mask;
 }
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include "otsu_baseline.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "phantom_cases.h"
 #include "sections.h"

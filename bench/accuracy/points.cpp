@@ -5,11 +5,11 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/pipeline/seeding.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -24,8 +24,7 @@ Image<std::uint8_t> labels_between(const LabelVolume& labels, int first, int las
     const std::int32_t v = labels.labels.voxels[i];
     mask.voxels[i] = v >= first && v <= last ? 1 : 0;
   }
-  const Components parts = components_of(mask);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = parts.labels.voxels[i] == 1 ? 1 : 0;
+  keep_largest_part(mask);
   return mask;
 }
 

@@ -3,7 +3,7 @@
 #include "click.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/mesh/overlap.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
 

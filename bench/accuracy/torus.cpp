@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "pellicle/energies/profiles.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/synthetic/phantom.h"
 #include "sections.h"

@@ -5,10 +5,10 @@
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/mesh/overlap.h"
-#include "pellicle/raster/mask_part.h"
+#include "pellicle/mask/moments.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 

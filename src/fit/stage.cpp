@@ -18,7 +18,7 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/scalars.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 

@@ -10,9 +10,9 @@
 #include <set>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/pipeline/voxels.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/surface/model_file.h"

@@ -7,6 +7,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/image/reorder.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/qc_picture.h"
 #include "pellicle/pipeline/seeding.h"

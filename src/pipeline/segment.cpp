@@ -13,6 +13,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
+#include "pellicle/mesh/measure.h"
 #include "pellicle/pipeline/convergence_picture.h"
 #include "pellicle/pipeline/outputs.h"
 #include "pellicle/pipeline/provenance.h"

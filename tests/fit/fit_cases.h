@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/synthetic/phantom.h"
 
