@@ -8,7 +8,7 @@
 #include "pellicle/mask/overlap.h"
 #include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/pipeline/seeding.h"
+#include "pellicle/output/seed_files.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 /// What a fit says of itself: status, stages, hypotheses, evidence, result.
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -99,9 +98,6 @@ struct TraceFrame {
   int step = 0;  ///< of the stage; 0: its start
   Surface surface;
 };
-
-/// Called now and then with the fraction done 0..1 and what is going on.
-using Progress = std::function<void(double fraction, const std::string& what)>;
 
 struct FitResult {
   Surface surface;

@@ -121,7 +121,10 @@ std::string name_of(MeshFormat value);
 template <class E>
 E value_of(const std::string& word, const std::string& where);
 
-/// One finite number. \throws UsageError.
+/// One finite number; nothing when the word is not one.
+std::optional<double> number_in(const std::string& word);
+std::optional<int> integer_in(const std::string& word);
+/// The same. \throws UsageError that names `where`.
 double number_of(const std::string& word, const std::string& where);
 int integer_of(const std::string& word, const std::string& where);
 /// "1,2,3" -> {"1", "2", "3"}.

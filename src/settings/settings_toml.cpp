@@ -286,7 +286,7 @@ void apply_toml_text(const std::string& text, const std::string& origin, Segment
     const std::string where = place(origin, node, name);
     if (key == keys.end()) {
       throw UsageError(fmt::format(
-          "unknown setting ({}): no flag of 'pellicle segment' has this name; see pellicle segment --help", where));
+          "unknown setting ({}): no flag of 'pellicle segment' has this name; see pellicle segment `help`", where));
     }
     key->set(settings, values_of(*key, node, where), where);
   }

@@ -260,7 +260,7 @@ TEST(StageValidate, names_stage_key_and_value) {
     } catch (const UsageError& e) {
       EXPECT_THAT(e.what(), testing::HasSubstr(key));
       EXPECT_THAT(e.what(), testing::HasSubstr("mine"));
-      EXPECT_EQ(e.exit_code(), 64);
+      EXPECT_EQ(e.category(), ErrorCategory::usage);
     }
   }
   EXPECT_NO_THROW((Stage{.energies = {{"inflation", -1.0}}}.validate()));
