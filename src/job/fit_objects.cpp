@@ -48,9 +48,7 @@ void fit_objects(const Image<float>& image, const std::vector<ObjectSeed>& seeds
     const Observer own = observer.part(static_cast<double>(i) / count, (static_cast<double>(i) + 1.0) / count);
     PhaseClock clock;
     clock.start("fit");
-    FitSettings settings = options.fit;
-    if (!seed.points.points.empty()) settings.points = seed.points;
-    FitResult fit = fit_surface(image, seed.candidates, settings, own);
+    FitResult fit = fit_surface({image, seed.candidates, seed.points}, options.fit, own);
     clock.stop();
     ObjectResult object{.label = seed.label,
                         .name = seed.name,
@@ -75,9 +73,9 @@ void fit_many_objects(Image<float> image, const std::vector<ObjectSeed>& seeds, 
   }
   clock.stop();
   if (many.objects.size() > kMostLabels) {
-    throw BadData(fmt::format(
-        "too many objects (label map): {} were found, it holds {}; crop the image or give `radius`",
-        many.objects.size(), kMostLabels));
+    throw BadData(
+        fmt::format("too many objects (label map): {} were found, it holds {}; crop the image or give `radius`",
+                    many.objects.size(), kMostLabels));
   }
   const double each = clock.seconds().front().second / std::max<double>(1.0, static_cast<double>(many.objects.size()));
   for (ManyObject& found : many.objects) {

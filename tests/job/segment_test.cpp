@@ -7,7 +7,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/job/seeds.h"
-#include "pellicle/mesh/overlap.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/synthetic/cluster.h"
 
 namespace pellicle {

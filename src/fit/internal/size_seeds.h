@@ -7,7 +7,7 @@
 
 #include "pellicle/base/observer.h"
 #include "pellicle/fit/geometry_input.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
