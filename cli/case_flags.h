@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "console.h"
-#include "pellicle/pipeline/batch.h"
+#include "pellicle/batch/batch.h"
 
 namespace CLI {
 class App;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "console.h"
-#include "pellicle/pipeline/manifest.h"
+#include "pellicle/batch/manifest.h"
 
 namespace CLI {
 class App;

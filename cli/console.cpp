@@ -10,7 +10,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pellicle/pipeline/provenance.h"
+#include "flag_text.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/output/provenance.h"
 
 namespace pellicle::cli {
 
@@ -30,13 +32,13 @@ void Console::configure(const ConsoleOptions& options) {
 }
 
 void Console::inform(const std::string& message) {
-  log(spdlog::level::info, "info", message);
+  log(spdlog::level::info, "info", with_flags(message));
 }
 void Console::notice(const std::string& message) {
-  log(spdlog::level::warn, "note", message);
+  log(spdlog::level::warn, "note", with_flags(message));
 }
 void Console::warn(const std::string& message) {
-  log(spdlog::level::warn, "warning", message);
+  log(spdlog::level::warn, "warning", with_flags(message));
 }
 void Console::error(const std::string& message) {
   log(spdlog::level::err, "error", message);
@@ -71,6 +73,13 @@ std::string Console::remaining(double share) const {
   const auto left = static_cast<long>(std::ceil(spent * (1.0 - share) / share));
   if (left >= 3600) return fmt::format("{}:{:02}:{:02} left ", left / 3600, left / 60 % 60, left % 60);
   return fmt::format("{}:{:02} left ", left / 60, left % 60);
+}
+
+Observer Console::observer() {
+  return {.progress = [this](double fraction, const std::string& what) { progress(fraction, what); },
+          .inform = [this](const std::string& message) { inform(message); },
+          .warn = [this](const std::string& message) { warn(message); },
+          .stopped = interrupt_requested};
 }
 
 void Console::progress(double share, const std::string& what) {

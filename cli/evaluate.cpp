@@ -1,5 +1,3 @@
-#include "pellicle/pipeline/evaluate.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +8,8 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/pipeline/outputs.h"
+#include "pellicle/output/evaluation_files.h"
+#include "pellicle/output/outputs.h"
 
 namespace pellicle::cli {
 

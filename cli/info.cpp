@@ -8,11 +8,12 @@
 #include <set>
 
 #include "commands.h"
+#include "flag_text.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/report.h"
+#include "pellicle/output/report_json.h"
 #include "pellicle/settings/settings.h"
 #include "pellicle/surface/model_file.h"
 
@@ -53,7 +54,8 @@ json volume_info(const InfoFlags& flags, Console& console) {
   out["max"] = volume.max;
   out["nan_count"] = volume.nan_count;
   out["inf_count"] = volume.inf_count;
-  out["warnings"] = volume.header.warnings;
+  out["warnings"] = json::array();
+  for (const auto& warning : volume.header.warnings) out["warnings"].push_back(with_flags(warning));
   for (const auto& warning : volume.header.warnings) console.warn(fmt::format("{}: {}", flags.file.string(), warning));
   return out;
 }

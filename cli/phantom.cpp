@@ -15,7 +15,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
-#include "pellicle/pipeline/outputs.h"
+#include "pellicle/output/outputs.h"
 #include "pellicle/settings/settings.h"
 #include "pellicle/synthetic/cluster.h"
 #include "pellicle/synthetic/phantom.h"

@@ -6,8 +6,8 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/pipeline/outputs.h"
-#include "pellicle/pipeline/report_page.h"
+#include "pellicle/batch/page_cases.h"
+#include "pellicle/output/outputs.h"
 
 namespace pellicle::cli {
 
@@ -36,8 +36,7 @@ int run_report(const ReportFlags& flags, Console& console) {
   }
   check_outputs({flags.output}, flags.overwrite, inputs);
   const ThreadLimit limit(flags.threads);
-  const std::string page =
-      page_of(cases, settings, [&](double share, const std::string& what) { console.progress(share, what); });
+  const std::string page = page_of(cases, settings, console.observer());
   create_folder(flags.output.parent_path());
   write_text_file(flags.output, page);
   console.inform(fmt::format("{}: {} cases, {:.1f} MB", flags.output.string(), cases.size(),

@@ -7,16 +7,17 @@
 #include <sstream>
 
 #include "commands.h"
+#include "flag_text.h"
+#include "hosts/boutiques_description.h"
+#include "hosts/slicer_description.h"
+#include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/many.h"
-#include "pellicle/pipeline/boutiques_description.h"
-#include "pellicle/pipeline/preset_choice.h"
-#include "pellicle/pipeline/seed_preview.h"
-#include "pellicle/pipeline/segment.h"
-#include "pellicle/pipeline/segment_series.h"
-#include "pellicle/pipeline/slicer_description.h"
+#include "pellicle/output/preset_by_image.h"
+#include "pellicle/output/seed_preview.h"
+#include "pellicle/output/segment_files.h"
+#include "pellicle/output/series_files.h"
 #include "pellicle/settings/settings_toml.h"
-#include "slicer_progress.h"
 
 namespace pellicle::cli {
 
@@ -125,7 +126,7 @@ void print_presets() {
 void print_energies() {
   for (const auto& energy : energy_descriptions()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
-                             energy.text);
+                             with_flags(energy.text));
   }
 }
 
@@ -134,23 +135,20 @@ void print_dry_run(const SegmentSettings& settings) {
   std::cout << toml_of(settings);
   if (!settings.fit.stages.empty()) return;
   std::cout << "\n# These stages follow from the settings above; to change them, remove the '# ' in front.\n";
-  std::istringstream lines(
-      toml_of_stages(settings.wants_many() ? stages_of_many(settings.fit) : stages_of(settings.fit)));
+  std::istringstream lines(toml_of_stages(plan_of(settings).first.stages));
   for (std::string line; std::getline(lines, line);) std::cout << fmt::format("# {}", line) << "\n";
 }
 
 // Comments again, so that all of it is still a settings file.
 void print_preview(const SegmentSettings& settings, Console& console) {
-  RunContext context;
-  context.warn = [&](const std::string& message) { console.warn(message); };
-  const SeedPreview preview = preview_seeds(settings, context);
+  const SeedPreview preview = preview_seeds(settings, console.observer());
   std::cout << "\n# What a run would do; the seeds are drawn in " << preview.picture.string() << "\n";
-  for (const std::string& line : preview.lines) std::cout << "# " << line << "\n";
+  for (const std::string& line : preview.lines) std::cout << "# " << with_flags(line) << "\n";
 }
 
 // A line an object and frame, in the order of the frames.
-int run_series(const SegmentSettings& settings, const RunContext& context, Console& console) {
-  const SeriesResult series = segment_series(settings, context);
+int run_series(const SegmentSettings& settings, const RunRecord& record, const Observer& observer, Console& console) {
+  const SeriesResult series = segment_series_to_files(settings, record, observer);
   for (const SeriesRow& row : series.rows) {
     std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", row.label, row.volume_ml, to_string(row.status), row.seconds);
     if (row.status != FitStatus::ok) {
@@ -187,18 +185,16 @@ int run_segment(const Typed& typed, const std::vector<std::string>& command_line
     return 0;
   }
   SlicerProgress slicer(settings.progress_xml);
-  RunContext context{command_line,
-                     [&](double share, const std::string& what) {
-                       console.progress(share, what);
-                       slicer.tell(share, what);
-                     },
-                     [&](const std::string& message) { console.inform(message); },
-                     [&](const std::string& message) { console.warn(message); }};
-  context.chosen_preset = choice;
+  Observer observer = console.observer();
+  observer.progress = [&](double fraction, const std::string& what) {
+    console.progress(fraction, what);
+    slicer.tell(fraction, what);
+  };
+  const RunRecord record{.command_line = command_line, .chosen_preset = choice};
   settings.validate();
-  if (frames_of(settings) > 1) return run_series(settings, context, console);
-  const SegmentResult result = segment(settings, context);
-  for (const auto& object : result.objects) {
+  if (frames_of(settings) > 1) return run_series(settings, record, observer, console);
+  const SegmentResult result = segment_to_files(settings, record, observer);
+  for (const auto& object : result.segmentation.objects) {
     std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", object.label, object.volume_surface_ml,
                              to_string(object.fit.status), object.seconds);
     if (object.fit.status != FitStatus::ok) {

@@ -19,7 +19,7 @@ struct ClusterSettings {
   double distance = 1.0;                          ///< centres of two objects are at least distance (r + r') apart
   double contrast_min = 1.0, contrast_max = 1.0;  ///< contrast of an object, log-uniform, relative to the image's
 
-  /// \throws UsageError naming the flag, its value and the rule.
+  /// \throws SettingError with the key, its value and the rule.
   void validate() const;
 };
 

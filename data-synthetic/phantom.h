@@ -38,7 +38,7 @@ struct PhantomSettings {
   double bias = 0.0;  ///< smooth multiplicative field that runs from 1 - bias to 1 + bias over the volume, in [0, 1)
   std::uint64_t seed = 1;
 
-  /// \throws UsageError naming the flag, its value and the rule.
+  /// \throws SettingError with the key, its value and the rule.
   void validate() const;
 };
 

@@ -116,7 +116,7 @@ std::string truth_json(const Cluster& cluster) {
 PhantomFill phantom_fill_from_name(const std::string& name) {
   if (name == "solid") return PhantomFill::solid;
   if (name == "shell") return PhantomFill::shell;
-  throw UsageError(fmt::format("unknown fill (--fill {}): choose solid or shell", name));
+  throw SettingError("unknown fill", "fill", name, "choose solid or shell");
 }
 
 PhantomNoise phantom_noise_from_name(const std::string& name) {
@@ -124,7 +124,7 @@ PhantomNoise phantom_noise_from_name(const std::string& name) {
        {PhantomNoise::none, PhantomNoise::gaussian, PhantomNoise::rician, PhantomNoise::poisson}) {
     if (name == name_of(noise)) return noise;
   }
-  throw UsageError(fmt::format("unknown noise (--noise {}): choose none, gaussian, rician or poisson", name));
+  throw SettingError("unknown noise", "noise", name, "choose none, gaussian, rician or poisson");
 }
 
 std::string name_of(PhantomFill fill) {

@@ -26,12 +26,12 @@ void brain_table(const Options& options) {
   }
   const double begin = seconds_now();
   const Volume volume = read_volume(options.head / "ch2.nii.gz");
-  FitSettings settings;
+  FitOptions settings;
   settings.model = options.model;
   settings.start_rule = StartRule::head;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
-  const FitResult fit = fit_surface(volume.image, {find_head(volume.image)}, settings);
+  const FitResult fit = fit_surface({volume.image, {find_head(volume.image)}}, settings);
   const double seconds = seconds_now() - begin;
   const Image<std::uint8_t> bet = largest_part(read_volume(options.head / "ch2bet.nii.gz").image);
   fmt::print(

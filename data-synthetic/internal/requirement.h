@@ -1,17 +1,15 @@
 #pragma once
 /// Settings of phantoms are checked one by one.
 
-#include <fmt/format.h>
-
 #include <string>
 
 #include "pellicle/base/errors.h"
 
 namespace pellicle {
 
-/// UsageError that names the flag, its value and the rule it breaks, unless `ok`.
-inline void require(bool ok, const char* flag, const std::string& value, const char* rule) {
-  if (!ok) throw UsageError(fmt::format("bad phantom setting ({} {}): {}", flag, value, rule));
+/// \throws SettingError unless `ok`, with the key of the setting, its value and the rule that it breaks.
+inline void require(bool ok, const char* key, const std::string& value, const char* rule) {
+  if (!ok) throw SettingError("bad phantom setting", key, value, rule);
 }
 
 }  // namespace pellicle

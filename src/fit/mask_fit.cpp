@@ -43,10 +43,10 @@ struct MaskFit {
 };
 
 MaskFit fitted(const Image<float>& image, Candidate state, const std::vector<std::pair<int, double>>& stages) {
-  FitSettings settings;
+  const ExpertPoints none;
   GeometryCache geometry;
   const Observer nobody;
-  const StageContext context{image, settings, geometry, nobody};
+  const StageContext context{image, none, geometry, nobody};
   for (const auto& [detail, reach] : stages) {
     const Stage stage{.name = "mask",
                       .detail = detail,

@@ -15,7 +15,7 @@ using PresetCondition = std::map<std::string, std::array<double, 2>>;
 struct Preset {
   std::string name, description;
   std::filesystem::path path;
-  std::vector<PresetCondition> when = {};  ///< any of them is enough for --preset auto; none: never chosen
+  std::vector<PresetCondition> when = {};  ///< any of them is enough for `preset` auto; none: never chosen
 };
 
 /// Folders that hold presets, first wins: $PELLICLE_PRESETS, ../share/pellicle/presets beside the running program,

@@ -158,25 +158,33 @@ template StartSolid value_of(const std::string&, const std::string&);
 template ModelKind value_of(const std::string&, const std::string&);
 template MeshFormat value_of(const std::string&, const std::string&);
 
-double number_of(const std::string& word, const std::string& where) {
+std::optional<double> number_in(const std::string& word) {
   const char* begin = word.data();
   const char* end = begin + word.size();
   if (begin != end && *begin == '+') ++begin;
   double value = 0.0;
   const auto [rest, fault] = std::from_chars(begin, end, value);
-  if (fault != std::errc() || rest != end || !std::isfinite(value)) {
-    throw UsageError(fmt::format("bad value ({}): '{}' is no finite number; write it like 12.5", where, word));
-  }
+  if (fault != std::errc() || rest != end || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 
-int integer_of(const std::string& word, const std::string& where) {
+std::optional<int> integer_in(const std::string& word) {
   int value = 0;
   const auto [rest, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault != std::errc() || rest != word.data() + word.size()) {
-    throw UsageError(fmt::format("bad value ({}): '{}' is no whole number; write it like 12", where, word));
-  }
+  if (fault != std::errc() || rest != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+double number_of(const std::string& word, const std::string& where) {
+  const auto value = number_in(word);
+  if (!value) throw UsageError(fmt::format("bad value ({}): '{}' is not a finite number; write it like 12.5", where, word));
+  return *value;
+}
+
+int integer_of(const std::string& word, const std::string& where) {
+  const auto value = integer_in(word);
+  if (!value) throw UsageError(fmt::format("bad value ({}): '{}' is not a whole number; write it like 12", where, word));
+  return *value;
 }
 
 namespace {

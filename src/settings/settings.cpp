@@ -27,8 +27,8 @@ ModelKind SegmentSettings::model_kind() const {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& flag, const std::string& value, const std::string& why) {
-  throw UsageError(fmt::format("bad value (--{} {}): {}", flag, value, why));
+[[noreturn]] void refuse(const std::string& key, const std::string& value, const std::string& why) {
+  throw SettingError("bad value", key, value, why);
 }
 
 void validate_seeds(const SegmentSettings& s) {
@@ -36,10 +36,10 @@ void validate_seeds(const SegmentSettings& s) {
                     static_cast<int>(s.seed_mask.has_value()) + static_cast<int>(s.seed_model.has_value()) +
                     static_cast<int>(s.seed_auto);
   if (kinds > 1) {
-    throw UsageError(
-        "conflicting flags (--seed-*): spheres (--seed-sphere, --seed-point, --seeds), --seed-mask, --seed-model and "
-        "--seed-auto "
-        "exclude each other; keep one kind");
+    throw SettingError(
+        "conflicting settings", "seed-*",
+        "spheres (`seed-sphere`, `seed-point`, `seeds`), `seed-mask`, `seed-model` and `seed-auto` exclude each other; "
+        "keep one kind");
   }
   if (!(s.seed_radius > 0.0)) refuse("seed-radius", fmt::format("{}", s.seed_radius), "must be above 0 mm");
   for (const auto& sphere : s.seed_spheres) {
@@ -58,23 +58,16 @@ void validate_many(const SegmentSettings& s) {
     refuse("valley", fmt::format("{}", s.valley), "must be above 0 and at most 1");
   }
   if (!s.wants_many()) {
-    if (s.radius) refuse("radius", fmt::format("{},{}", s.radius->min, s.radius->max), "needs --objects many");
+    if (s.radius) refuse("radius", fmt::format("{},{}", s.radius->min, s.radius->max), "needs `objects` many");
     return;
   }
-  if (s.points) throw UsageError("conflicting flags (--points): expert points are for one object, not --objects many");
-  if (s.trace) throw UsageError("conflicting flags (--trace): a trace is of one object, not --objects many");
-  if (s.fit.start_rule == StartRule::head) refuse("start-rule", "head", "finds one brain; not for --objects many");
+  if (s.points) throw SettingError("conflicting settings", "points, objects", "expert points are for one object, not `objects` many");
+  if (s.trace) throw SettingError("conflicting settings", "trace, objects", "a trace is of one object, not `objects` many");
+  if (s.fit.start_rule == StartRule::head) refuse("start-rule", "head", "finds one brain; not for `objects` many");
   if (s.fit.boundary == Boundary::ridge) {
     refuse("boundary", "ridge",
-           "many objects are found by their inside; membranes are not available with --objects many");
+           "many objects are found by their inside; membranes are not available with `objects` many");
   }
-}
-
-// Files are read later: until then a point stands for those that will be there.
-void validate_fit(const SegmentSettings& s) {
-  FitSettings fit = s.fit;
-  if (s.points && fit.points.points.empty()) fit.points.points = {Vec3::Zero()};
-  fit.validate();
 }
 
 void validate_outputs(const SegmentSettings& s) {
@@ -97,16 +90,17 @@ void validate_outputs(const SegmentSettings& s) {
   if (s.trace && s.trace->empty()) refuse("trace", "", "name a folder");
   if (s.trace_every < 1) refuse("trace-every", fmt::format("{}", s.trace_every), "must be 1 or more");
   if (s.name.find('/') != std::string::npos || s.name == "." || s.name == "..") {
-    refuse("name", s.name, "must be a file stem without folders; use -o for the folder");
+    refuse("name", s.name, "must be a file stem without folders; `output` names the folder");
   }
 }
 
 }  // namespace
 
 void SegmentSettings::validate() const {
-  if (input.empty()) throw UsageError("missing flag (-i): no input volume; give -i VOLUME");
+  if (input.empty()) throw SettingError("missing setting", "input", "no input volume; give `input` VOLUME");
   if (output.empty() && !output_mask && !output_mesh) {
-    throw UsageError("missing flag (-o): no output folder; give -o DIR, or --output-mask or --output-mesh with a file");
+    throw SettingError("missing setting", "output",
+                       "no output folder; give `output` DIR, or `output-mask` or `output-mesh` with a file");
   }
   validate_values();
 }
@@ -119,7 +113,19 @@ void SegmentSettings::validate_values() const {
   validate_seeds(*this);
   validate_many(*this);
   validate_outputs(*this);
-  validate_fit(*this);
+  fit.validate(points.has_value());
+}
+
+FitPlan plan_of(const SegmentSettings& settings) {
+  StartKind start = StartKind::ball;
+  if (settings.wants_many()) {
+    start = StartKind::many;
+  } else if (settings.points && may_start_at_points(settings.fit)) {
+    start = StartKind::outlined;
+  } else if (settings.seed_mask || settings.seed_model) {
+    start = StartKind::surface;
+  }
+  return plan_for(settings.fit, start, settings.points.has_value());
 }
 
 std::string stem_of(const SegmentSettings& settings) {

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/settings.h"
+#include "pellicle/fit/options.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/seed/blob_scale_space.h"
 
@@ -41,7 +42,7 @@ struct SegmentSettings {
   PointsPull points_pull = PointsPull::normal;
   std::optional<std::filesystem::path> trace;  ///< folder for the meshes on the way
   int trace_every = 3;                         ///< steps
-  FitSettings fit;
+  FitOptions fit;
   std::optional<ModelKind> model;  ///< as named by the user; default: see model_kind()
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
@@ -64,6 +65,9 @@ struct SegmentSettings {
   /// The same without the need for an input and an output.
   void validate_values() const;
 };
+
+/// The plan that runs, by the seeds that are given.
+FitPlan plan_of(const SegmentSettings& settings);
 
 /// The stem of the output files: `name`, or the input's file name without the extensions of volume files.
 std::string stem_of(const SegmentSettings& settings);
@@ -117,7 +121,10 @@ std::string name_of(MeshFormat value);
 template <class E>
 E value_of(const std::string& word, const std::string& where);
 
-/// One finite number. \throws UsageError.
+/// One finite number; nothing when the word is not one.
+std::optional<double> number_in(const std::string& word);
+std::optional<int> integer_in(const std::string& word);
+/// The same. \throws UsageError that names `where`.
 double number_of(const std::string& word, const std::string& where);
 int integer_of(const std::string& word, const std::string& where);
 /// "1,2,3" -> {"1", "2", "3"}.

@@ -101,6 +101,8 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.resolution = number_of(scalar_text(node, where), where);
     } else if (name == "smoothing") {
       stage.smoothing = number_of(scalar_text(node, where), where);
+    } else if (name == "smoothing_mm") {
+      stage.smoothing_mm = number_of(scalar_text(node, where), where);
     } else if (name == "reach") {
       stage.reach = number_of(scalar_text(node, where), where);
     } else if (name == "tolerance") {
@@ -119,7 +121,7 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       }
     } else {
       throw UsageError(
-          fmt::format("unknown setting ({}): a stage has name, detail, energies, resolution, smoothing, "
+          fmt::format("unknown setting ({}): a stage has name, detail, energies, resolution, smoothing, smoothing_mm, "
                       "reach, max_steps, tolerance, solver, time_step, mass and damping",
                       where));
     }
@@ -284,7 +286,7 @@ void apply_toml_text(const std::string& text, const std::string& origin, Segment
     const std::string where = place(origin, node, name);
     if (key == keys.end()) {
       throw UsageError(fmt::format(
-          "unknown setting ({}): no flag of 'pellicle segment' has this name; see pellicle segment --help", where));
+          "unknown setting ({}): no flag of 'pellicle segment' has this name; see pellicle segment `help`", where));
     }
     key->set(settings, values_of(*key, node, where), where);
   }
@@ -306,6 +308,7 @@ std::string toml_of_stages(const std::vector<Stage>& stages) {
   for (const auto& stage : stages) {
     text += fmt::format("\n[[stage]]\nname = {}\ndetail = {}\nresolution = {}\nsmoothing = {}\nreach = {}\n",
                         quoted(stage.name), stage.detail, stage.resolution, stage.smoothing, stage.reach);
+    if (stage.smoothing_mm) text += fmt::format("smoothing_mm = {}\n", *stage.smoothing_mm);
     text += fmt::format("max_steps = {}\ntolerance = {}\nsolver = {}\n", stage.max_steps, stage.tolerance,
                         quoted(name_of(stage.solver)));
     const Motion& motion = stage.motion;

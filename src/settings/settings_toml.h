@@ -1,5 +1,5 @@
 #pragma once
-/// Settings as TOML: presets, --config files and --dry-run all speak it. Every flag of `pellicle segment` is a key;
+/// Settings as TOML: presets, `config` files and `dry-run` all speak it. Every flag of `pellicle segment` is a key;
 /// [energy] is a table of weights, [[stage]] an array of the stages of a fit.
 
 #include <filesystem>

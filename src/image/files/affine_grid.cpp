@@ -84,7 +84,7 @@ ImageGrid grid_from_affine(const std::filesystem::path& path, const Index3& size
   }
   if (grid.spacing.minCoeff() < 1e-5 || grid.spacing.maxCoeff() > 1e3) {
     warnings.push_back(fmt::format(
-        "The spacing of {:.4g} x {:.4g} x {:.4g} mm is implausible; check the unit or set it with --spacing.",
+        "The spacing of {:.4g} x {:.4g} x {:.4g} mm is implausible; check the unit or set it with `spacing`.",
         grid.spacing[0], grid.spacing[1], grid.spacing[2]));
   }
   return grid;

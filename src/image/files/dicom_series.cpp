@@ -254,7 +254,7 @@ ImageGrid grid_of(const std::vector<Slice>& slices, const fs::path& folder, Volu
     spacing << first.pixel_spacing[1], first.pixel_spacing[0], 0.0;  // stored as row spacing, column spacing
   } else {
     header.spacing_known = false;
-    header.warnings.emplace_back("NO SPACING of pixels in the DICOM series: 1 mm is assumed; set it with --spacing.");
+    header.warnings.emplace_back("NO SPACING of pixels in the DICOM series: 1 mm is assumed; set it with `spacing`.");
   }
   Mat3 matrix;
   matrix.col(0) = vec3(first.orientation) * spacing[0];

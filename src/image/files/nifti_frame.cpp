@@ -54,7 +54,7 @@ Vec3 pixdim_spacing(const NiftiFrame& frame, VolumeHeader& header) {
       spacing[axis] = 1.0 / mm_per_unit(frame.xyzt_units);
       header.spacing_known = false;
       header.warnings.push_back(fmt::format(
-          "NO SPACING along axis {} (pixdim is {}): 1 mm is assumed; set it with --spacing.", axis, stored));
+          "NO SPACING along axis {} (pixdim is {}): 1 mm is assumed; set it with `spacing`.", axis, stored));
     } else if (stored < 0.0) {
       header.warnings.push_back(
           fmt::format("The spacing along axis {} is stored as {}; its absolute value is used.", axis, stored));

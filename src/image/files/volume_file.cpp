@@ -80,7 +80,7 @@ VolumeSource open_volume(const fs::path& path, const ReadOptions& options) {
   VolumeSource source = folder ? open_dicom_series(path) : open_by_kind(path, options.frame);
   if (options.spacing) {
     if (!options.spacing->allFinite() || !(options.spacing->minCoeff() > 0.0)) {
-      throw UsageError("--spacing must be three positive lengths in mm");
+      throw SettingError("bad value", "spacing", "must be three positive lengths in mm");
     }
     source.header.grid.spacing = *options.spacing;
     if (!source.header.spacing_known) {

@@ -10,7 +10,7 @@
 namespace pellicle {
 
 struct ReadOptions {
-  std::optional<Vec3> spacing = {};  ///< overrides the file's, mm (--spacing)
+  std::optional<Vec3> spacing = {};  ///< overrides the file's, mm (`spacing`)
   std::optional<int> frame = {};     ///< of a 4D file, from 0; without it a 4D file is refused
 };
 

@@ -1,0 +1,52 @@
+#pragma once
+/// Shapes between two saved models, with files at both ends.
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pellicle/job/morph.h"
+#include "pellicle/mesh/files/mesh_file.h"
+#include "pellicle/output/run_record.h"
+
+namespace pellicle {
+
+struct MorphSettings {
+  std::filesystem::path a, b, output;
+  std::string name;  ///< file stem; empty: A_to_B, by the names of the models
+  int steps = 5;
+  MorphSpace space = MorphSpace::plane;
+  double from = 0.0, to = 1.0;  ///< tau of the first and the last step; one step only: the middle between them
+  MeshFormat mesh_format = MeshFormat::ply;
+  std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: to look at
+  int threads = 0;
+  bool overwrite = false;
+
+  /// \throws UsageError naming the flag, its value and the rule. Does not look at any file.
+  void validate() const;
+};
+MorphSpace morph_space_from_name(const std::string& name);  ///< \throws UsageError
+std::string name_of(MorphSpace space);
+std::string stem_of(const MorphSettings& settings);
+MorphOptions options_of(const MorphSettings& settings);
+
+struct MorphResult {
+  MorphSettings settings;
+  Morphing morphing;
+  std::vector<InputFile> inputs;
+  std::vector<OutputFile> outputs;  ///< all but the report itself
+  PhaseSeconds seconds;
+  int exit_code() const;  ///< 0, or 3 when a step is not ok
+};
+
+/// Writes STEM_morph-001_surface.ply, STEM_morph-001_model.json ..., STEM_morph.tsv, STEM_morph.png and the report
+/// STEM_morph.json.
+/// \throws what validate(), read_model, morph and the writers throw; CannotCreate when an output exists and overwrite
+/// is false (before any work); Interrupted.
+MorphResult morph_to_files(const MorphSettings& settings, const RunRecord& record, const Observer& observer);
+
+nlohmann::ordered_json report_of(const MorphResult& result, const RunRecord& record);
+
+}  // namespace pellicle
