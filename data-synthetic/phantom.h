@@ -79,9 +79,7 @@ std::vector<SeedDraw> draw_seeds(const Phantom& phantom, int count, RandomEngine
 /// The `STEM_truth.json` of `pellicle phantom`: shape, exact volume, centres, inner radius, seeds, every setting.
 std::string truth_json(const Phantom& phantom);
 
-/// "solid", "shell"; "none", "gaussian", "rician", "poisson". \throws UsageError naming the choices.
-PhantomFill phantom_fill_from_name(const std::string& name);
-PhantomNoise phantom_noise_from_name(const std::string& name);
+/// "solid", "shell"; "none", "gaussian", "rician", "poisson".
 std::string name_of(PhantomFill fill);
 std::string name_of(PhantomNoise noise);
 

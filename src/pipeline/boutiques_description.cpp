@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pellicle/pipeline/provenance.h"
+#include "pellicle/settings/setting_text.h"
 #include "pellicle/settings/settings.h"
 
 namespace pellicle {
@@ -36,14 +37,14 @@ bool is_file(const SettingKey& key) {
   return std::find(files.begin(), files.end(), key.name) != files.end();
 }
 
-Json input_of(const SettingKey& key) {
+Json input_of(const Setting<SegmentSettings>& key) {
   const std::string flag = "--" + key.name;
   const bool on_by_default = key.kind == SettingKind::flag && key.get(SegmentSettings{}).at(0) == "true";
   const bool switchable = key.kind == SettingKind::flag && !on_by_default;
   Json input;
   input["id"] = underscored(key.name);
   input["name"] = key.name;
-  input["description"] = key.help;
+  input["description"] = with_setting_names(key.help, "--");
   input["value-key"] = value_key(key.name);
   input["type"] = switchable ? "Flag" : key.kind == SettingKind::number ? "Number" : is_file(key) ? "File" : "String";
   input["command-line-flag"] = flag;
@@ -94,7 +95,7 @@ Json boutiques_description() {
   tool["author"] = "The Pellicle authors";
   std::string command = "pellicle segment";
   Json inputs = Json::array(), seeds = Json::array();
-  for (const auto& key : segment_keys()) {
+  for (const auto& key : segment_table()) {
     if (!has_place_in_boutiques(key)) continue;
     command += " " + value_key(key.name);
     inputs.push_back(input_of(key));

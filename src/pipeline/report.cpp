@@ -207,7 +207,7 @@ json report_of(const SegmentResult& result, const RunContext& context) {
   report["exit_code"] = result.exit_code();
   SegmentSettings resolved = result.settings;
   resolved.fit.stages = resolved.wants_many() ? stages_of_many(resolved.fit) : stages_of(resolved.fit);
-  report["settings"] = json_of(resolved);
+  report["settings"] = json_of(resolved, context.host_settings);
   if (context.chosen_preset) {
     report["preset_auto"] = {{"chosen", context.chosen_preset->name},
                              {"reason", context.chosen_preset->reason},

@@ -255,9 +255,8 @@ std::vector<ObjectSeed> make_seeds(const SegmentSettings& settings, const ImageG
     objects = seeds_found(settings, image);
   }
   if (objects.size() > 1 && settings.points) {
-    throw SettingError(
-        "expert points of which object", "points", settings.points->string(),
-        fmt::format("there are {} objects; fit the one that they belong to alone", objects.size()));
+    throw SettingError("expert points of which object", "points", settings.points->string(),
+                       fmt::format("there are {} objects; fit the one that they belong to alone", objects.size()));
   }
   std::set<int> labels;
   for (auto& object : objects) {

@@ -21,6 +21,7 @@ struct RunContext {
   std::vector<std::string> command_line;  ///< for the report
   Progress progress;
   std::function<void(const std::string&)> inform, warn;
+  std::vector<SettingEntry> host_settings = {};    ///< of the program around, for the report
   std::optional<PresetChoice> chosen_preset = {};  ///< with `preset` auto, for the report
 };
 

@@ -8,6 +8,7 @@
 
 #include "pellicle/pipeline/provenance.h"
 #include "pellicle/settings/presets.h"
+#include "pellicle/settings/setting_text.h"
 #include "pellicle/settings/settings.h"
 
 namespace pellicle {
@@ -39,7 +40,7 @@ constexpr Shown shown_files[] = {{"input", "image", "scalar", "", "input"},
                                  {"trace", "directory", "", "", ""}};
 
 // Settings that have no place in Slicer: it names its files itself, and starts what it wants to run.
-bool is_left_out(const SettingKey& key) {
+bool is_left_out(const Setting<SegmentSettings>& key) {
   static const std::vector<std::string> names{
       "seed-sphere", "coords", "spacing", "output",       "name",  "write",       "mesh-format", "dry-run",
       "overwrite",   "quiet",  "verbose", "progress-xml", "trace", "trace-every", "log-json",    "no-progress"};
@@ -67,13 +68,14 @@ const char* tag_of(const SettingKey& key) {
     case SettingKind::number:
     case SettingKind::text:
     case SettingKind::words:
+    case SettingKind::several:
     case SettingKind::table:
       break;
   }
   return choices_of(key).empty() ? "string" : "string-enumeration";
 }
 
-void add_setting(Node group, const SettingKey& key) {
+void add_setting(Node group, const Setting<SegmentSettings>& key) {
   const auto* known = std::find_if(std::begin(shown_files), std::end(shown_files),
                                    [&](const Shown& shown) { return key.name == shown.name; });
   const Shown* shown = known == std::end(shown_files) ? nullptr : known;
@@ -95,7 +97,7 @@ void add_setting(Node group, const SettingKey& key) {
   const bool unit = key.kind != SettingKind::flag && !key.placeholder.empty() && shown == nullptr &&
                     choices_of(key).empty() && key.kind != SettingKind::vectors;
   add_text(node, "label", unit ? fmt::format("{} ({})", label, key.placeholder) : label);
-  add_text(node, "description", key.help);
+  add_text(node, "description", with_setting_names(key.help, "--"));
   if (shown != nullptr && *shown->channel != '\0') add_text(node, "channel", shown->channel);
   if (number) add_text(node, "default", key.get(SegmentSettings{}).at(0));
   if (key.kind == SettingKind::flag) add_text(node, "default", "false");
@@ -106,9 +108,9 @@ void add_setting(Node group, const SettingKey& key) {
   for (const auto& choice : choices) add_text(node, "element", choice);
 }
 
-const SettingKey& setting_named(const std::string& name) {
-  const auto& keys = segment_keys();
-  return *std::find_if(keys.begin(), keys.end(), [&](const SettingKey& key) { return key.name == name; });
+const Setting<SegmentSettings>& setting_named(const std::string& name) {
+  const auto& keys = segment_table();
+  return *std::find_if(keys.begin(), keys.end(), [&](const Setting<SegmentSettings>& key) { return key.name == name; });
 }
 
 Node add_group(Node executable, const std::string& label, const std::string& description, bool advanced) {
@@ -144,7 +146,7 @@ std::string slicer_description() {
   for (const auto& name : first) add_setting(main, setting_named(name));
   for (const std::string group : {"Seed", "Model", "Energies", "Outputs", "Run"}) {
     Node node;
-    for (const auto& key : segment_keys()) {
+    for (const auto& key : segment_table()) {
       if (key.group != group || is_left_out(key)) continue;
       if (std::find(first.begin(), first.end(), key.name) != first.end()) continue;
       if (!node) node = add_group(executable, group, "Left empty or at 'default': the preset decides", true);
