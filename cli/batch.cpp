@@ -1,4 +1,4 @@
-#include "pellicle/pipeline/batch.h"
+#include "pellicle/batch/batch.h"
 
 #include <fmt/format.h>
 

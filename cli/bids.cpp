@@ -1,4 +1,4 @@
-#include "pellicle/pipeline/bids.h"
+#include "pellicle/batch/bids.h"
 
 #include <fmt/format.h>
 
@@ -45,8 +45,7 @@ int run_bids(const CaseFlags& typed, Console& console) {
   settings.common.try_emplace("write", std::vector<std::string>{"mask,mesh,model,report,qc"});
   if (flags.level == "participant") return run_participants(settings, console);
   if (flags.level == "group") {
-    const auto page = write_bids_group_page(
-        settings, [&](double fraction, const std::string& what) { console.progress(fraction, what); });
+    const auto page = write_bids_group_page(settings, console.observer());
     console.inform(page.string());
     return 0;
   }

@@ -39,7 +39,7 @@ FlagValues CaseFlags::common() const {
 
 BatchContext case_lines(Console& console) {
   BatchContext context;
-  context.progress = [&](double fraction, const std::string& what) { console.progress(fraction, what); };
+  context.observer = console.observer();
   context.finished = [&](const BatchRow& row) {
     if (row.failed()) console.warn(fmt::format("{} ({}): {}", row.status, row.name, row.message));
     const std::string volume = row.volume_ml ? fmt::format("{:.6g}", *row.volume_ml) : "n/a";

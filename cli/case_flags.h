@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "command_flags.h"
-#include "pellicle/pipeline/batch.h"
+#include "pellicle/batch/batch.h"
 
 namespace pellicle::cli {
 

@@ -1,5 +1,3 @@
-#include "pellicle/pipeline/evaluate.h"
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -8,7 +6,8 @@
 #include "commands.h"
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/pipeline/outputs.h"
+#include "pellicle/output/evaluation_files.h"
+#include "pellicle/output/outputs.h"
 #include "pellicle/settings/evaluate_settings.h"
 
 namespace pellicle::cli {

@@ -10,9 +10,9 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/image/files/volume_file.h"
+#include "pellicle/job/voxels.h"
 #include "pellicle/mesh/files/mesh_file.h"
-#include "pellicle/pipeline/outputs.h"
-#include "pellicle/pipeline/voxels.h"
+#include "pellicle/output/outputs.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/surface/model_file.h"
 

@@ -5,17 +5,14 @@
 
 #include "command_flags.h"
 #include "commands.h"
-#include "pellicle/pipeline/fit_points.h"
+#include "pellicle/output/fit_points.h"
 
 namespace pellicle::cli {
 
 namespace {
 
 int run_fit(const GeometryFitSettings& settings, const std::vector<std::string>& command_line, Console& console) {
-  const RunContext context{command_line, [&](double share, const std::string& what) { console.progress(share, what); },
-                           [&](const std::string& message) { console.inform(message); },
-                           [&](const std::string& message) { console.warn(message); }};
-  const GeometryFitResult result = fit_geometry(settings, context);
+  const GeometryFitResult result = fit_to_files(settings, {.command_line = command_line}, console.observer());
   const double diameter = result.input.data.diameter;
   std::cout << heading_of_fits() << "\n";
   if (!result.settings.ladder.empty()) {

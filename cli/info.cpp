@@ -15,7 +15,7 @@
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/report.h"
+#include "pellicle/output/report_json.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle::cli {

@@ -10,10 +10,10 @@
 #include "commands.h"
 #include "exit_codes.h"
 #include "flag_text.h"
+#include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
-#include "pellicle/pipeline/provenance.h"
-#include "slicer_progress.h"
+#include "pellicle/output/provenance.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "pellicle/pipeline/morph.h"
+#include "pellicle/output/morph_files.h"
 
 #include <fmt/format.h>
 
@@ -13,10 +13,8 @@ namespace pellicle::cli {
 namespace {
 
 int run_morph(const MorphSettings& settings, const std::vector<std::string>& command_line, Console& console) {
-  RunContext context;
-  context.command_line = command_line;
-  context.progress = [&console](double share, const std::string& what) { console.progress(share, what); };
-  const MorphResult result = morph(settings, context);
+  const MorphResult done = morph_to_files(settings, {.command_line = command_line}, console.observer());
+  const Morphing& result = done.morphing;
   for (const auto& [name, points, moved] :
        {std::tuple{"A", result.points_a, result.moved_a_mm}, std::tuple{"B", result.points_b, result.moved_b_mm}}) {
     if (points == result.points) continue;
@@ -29,7 +27,7 @@ int run_morph(const MorphSettings& settings, const std::vector<std::string>& com
     std::cout << fmt::format("{} {:.6g} {} {:.6g} {}\n", i + 1, step.tau, volume, step.area_mm2,
                              to_string(step.status));
   }
-  return result.exit_code();
+  return done.exit_code();
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
-#include "pellicle/pipeline/outputs.h"
+#include "pellicle/output/outputs.h"
 #include "phantom_settings.h"
 
 namespace pellicle::cli {

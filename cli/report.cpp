@@ -8,8 +8,8 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/pipeline/outputs.h"
-#include "pellicle/pipeline/report_page.h"
+#include "pellicle/batch/page_cases.h"
+#include "pellicle/output/outputs.h"
 
 namespace pellicle::cli {
 
@@ -25,8 +25,7 @@ int run_report(const ReportSettings& settings, Console& console) {
   }
   check_outputs({settings.output}, settings.overwrite, inputs);
   const ThreadLimit limit(settings.threads);
-  const std::string page = page_of(cases, page_settings,
-                                   [&](double fraction, const std::string& what) { console.progress(fraction, what); });
+  const std::string page = page_of(cases, page_settings, console.observer());
   create_folder(settings.output.parent_path());
   write_text_file(settings.output, page);
   console.inform(fmt::format("{}: {} cases, {:.1f} MB", settings.output.string(), cases.size(),

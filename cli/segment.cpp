@@ -9,16 +9,16 @@
 #include "command_flags.h"
 #include "commands.h"
 #include "flag_text.h"
+#include "hosts/boutiques_description.h"
+#include "hosts/slicer_description.h"
+#include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/many.h"
-#include "pellicle/pipeline/boutiques_description.h"
-#include "pellicle/pipeline/preset_choice.h"
-#include "pellicle/pipeline/seed_preview.h"
-#include "pellicle/pipeline/segment.h"
-#include "pellicle/pipeline/segment_series.h"
-#include "pellicle/pipeline/slicer_description.h"
+#include "pellicle/output/preset_by_image.h"
+#include "pellicle/output/seed_preview.h"
+#include "pellicle/output/segment_files.h"
+#include "pellicle/output/series_files.h"
 #include "pellicle/settings/settings_toml.h"
-#include "slicer_progress.h"
 
 namespace pellicle::cli {
 
@@ -103,16 +103,14 @@ void print_dry_run(const SegmentCommand& command) {
 
 // Comments again, so that all of it is still a settings file.
 void print_preview(const SegmentSettings& settings, Console& console) {
-  RunContext context;
-  context.warn = [&](const std::string& message) { console.warn(message); };
-  const SeedPreview preview = preview_seeds(settings, context);
+  const SeedPreview preview = preview_seeds(settings, console.observer());
   std::cout << "\n# What a run would do; the seeds are drawn in " << preview.picture.string() << "\n";
   for (const std::string& line : preview.lines) std::cout << "# " << with_flags(line) << "\n";
 }
 
 // One line per object and frame, in the order of the frames.
-int run_series(const SegmentSettings& settings, const RunContext& context, Console& console) {
-  const SeriesResult series = segment_series(settings, context);
+int run_series(const SegmentSettings& settings, const RunRecord& record, const Observer& observer, Console& console) {
+  const SeriesResult series = segment_series_to_files(settings, record, observer);
   for (const SeriesRow& row : series.rows) {
     std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", row.label, row.volume_ml, to_string(row.status), row.seconds);
     if (row.status != FitStatus::ok) {
@@ -122,12 +120,17 @@ int run_series(const SegmentSettings& settings, const RunContext& context, Conso
   return series.exit_code;
 }
 
+// All settings of the command with their defaults.
+std::vector<SettingEntry> all_settings() {
+  return joined(entries_of(segment_table(), SegmentSettings{}), entries_of(segment_host_table(), HostSettings{}));
+}
+
 // Whether the command only describes itself; it has done so then.
 bool described(const SegmentFlags& flags) {
   if (flags.slicer) {
-    std::cout << slicer_description();
+    std::cout << slicer_description(all_settings());
   } else if (flags.boutiques) {
-    std::cout << boutiques_description().dump(2) + "\n";
+    std::cout << boutiques_description(all_settings()).dump(2) + "\n";
   } else if (asks_for_list(flags, "preset")) {
     print_presets();
   } else if (asks_for_list(flags, "energy")) {
@@ -138,9 +141,10 @@ bool described(const SegmentFlags& flags) {
   return true;
 }
 
-int run_one_volume(const SegmentSettings& settings, const RunContext& context, Console& console) {
-  const SegmentResult result = segment(settings, context);
-  for (const auto& object : result.objects) {
+int run_one_volume(const SegmentSettings& settings, const RunRecord& record, const Observer& observer,
+                   Console& console) {
+  const SegmentResult result = segment_to_files(settings, record, observer);
+  for (const auto& object : result.segmentation.objects) {
     std::cout << fmt::format("{} {:.6g} {} {:.3f}\n", object.label, object.volume_surface_ml,
                              to_string(object.fit.status), object.seconds);
     if (object.fit.status != FitStatus::ok) {
@@ -167,17 +171,17 @@ int run_segment(const SegmentFlags& flags, const std::vector<std::string>& comma
     return 0;
   }
   SlicerProgress slicer(command.host.progress_xml);
-  RunContext context{command_line,
-                     [&](double fraction, const std::string& what) {
-                       console.progress(fraction, what);
-                       slicer.tell(fraction, what);
-                     },
-                     [&](const std::string& message) { console.inform(message); },
-                     [&](const std::string& message) { console.warn(message); }};
-  context.host_settings = entries_of(segment_host_table(), command.host);
-  context.chosen_preset = choice;
+  Observer observer = console.observer();
+  observer.progress = [&](double fraction, const std::string& what) {
+    console.progress(fraction, what);
+    slicer.tell(fraction, what);
+  };
+  const RunRecord record{.command_line = command_line,
+                         .chosen_preset = choice,
+                         .host_settings = entries_of(segment_host_table(), command.host)};
   settings.validate();
-  return frames_of(settings) > 1 ? run_series(settings, context, console) : run_one_volume(settings, context, console);
+  if (frames_of(settings) > 1) return run_series(settings, record, observer, console);
+  return run_one_volume(settings, record, observer, console);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the Debian package, installs it with what it depends on into a fresh Debian 12 (debootstrap, some hundred MB from
-# the mirror that debootstrap knows, or MIRROR) and extracts the brain of the demo there. Needs root, debootstrap and dpkg-dev.
-#   scripts/check_deb.sh [FOLDER]      default: a temporary one, removed afterwards; SKIP_BUILD=1 packs what is built
+# Builds the Debian package, installs it with its dependencies into a new Debian 12, and segments the brain of the demo there.
+# The system is made with debootstrap, which downloads some hundred MB from its default mirror, or from MIRROR.
+# Needs root, debootstrap and dpkg-dev.
+#   scripts/check_deb.sh [FOLDER]      default: a temporary folder, removed afterwards; SKIP_BUILD=1 packs the existing build
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ "$(id -u)" = 0 ] || { echo "root is needed: a system is set up in a folder" >&2; exit 1; }
@@ -31,7 +32,7 @@ dpkg-deb --contents "$package" | awk '!/\/$/ {print $3, $6}'
 echo "--- a fresh Debian 12"
 [ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" ${MIRROR:+"$MIRROR"} >"$folder/debootstrap.log"
 cat "$root/etc/debian_version"
-mountpoint -q "$root/proc" || mount -t proc proc "$root/proc" # as every running system has it
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc" # every running system has it
 for file in resolv.conf apt/apt.conf; do [ -e "/etc/$file" ] && cp -L "/etc/$file" "$root/etc/$file"; done
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
   ${http_proxy:+http_proxy="$http_proxy"} "$@"; }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the built library into a scratch folder and links docs' ten-line program against it.
+# Installs the built library into a temporary folder, and builds and runs the program of docs/example with it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scratch=$(mktemp -d)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Tries the Snakemake workflow on small phantoms, on this machine and through Slurm, and the job script of docs/cluster.md.
-# Needs Debian's package `snakemake`, whose many dependencies are the reason why scripts/setup.sh does not install it. With
-# Debian's `slurm-wlm` it starts a Slurm of one node for the time of the test; else a stand-in for sbatch has to do.
+# Tests the Snakemake workflow on small phantoms, on this machine and through Slurm, and the job script of docs/cluster.md.
+# Needs Debian's package `snakemake`; scripts/setup.sh does not install it, because it has many dependencies. With Debian's
+# `slurm-wlm` it starts a Slurm with one node for the test; without it, a small script takes the place of sbatch.
 #   scripts/check_workflow.sh [pellicle]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -32,7 +32,7 @@ code=0
 pellicle batch cases.csv -o undisturbed --keep-going --no-progress $flags >/dev/null 2>&1 || code=$?
 [ "$code" = 1 ]
 
-# The masks and models of a folder, and what its table says of them, are those of the undisturbed run.
+# Fails unless the masks, the models and the table of a folder are the same as those of the undisturbed run.
 same() {
   local file
   for file in undisturbed/case*/*_mask.nii.gz undisturbed/case*/*_model.json; do cmp "$file" "$1/${file#*/}"; done
@@ -47,7 +47,7 @@ if [ -z "$missing" ]; then
   slurm="a real Slurm ($(sinfo --version))"
   [ "$("$root/workflow/profiles/slurm/slurm_status.sh" 12345)" = failed ] # no such job
 else
-  # sbatch as the profile calls it: runs the script at once and tells a number; sacct knows how it ended.
+  # This sbatch runs the script at once and prints a job number; this sacct prints how the job ended.
   slurm="a STAND-IN for Slurm, as $missing is missing (apt-get install slurm-wlm)"
   cat >bin/sbatch <<'SBATCH'
 #!/usr/bin/env bash
@@ -75,7 +75,7 @@ if [ -n "$missing" ]; then
   exit 0
 fi
 
-# The very job script of the docs, with the flags of the cases; killed as soon as there are masks, then submitted again.
+# The job script as shown in docs/cluster.md, with the flags of the cases. It is killed once there are masks, then submitted again.
 awk '/^```/ { inside = !inside; if (!inside && text ~ /#SBATCH --array/) { printf "%s", text; exit } text = ""; next } inside { text = text $0 "\n" }' \
   "$root/docs/cluster.md" | sed "s|--resume\$|--resume $flags|" >cases.sbatch
 grep -q -- "--resume $flags" cases.sbatch

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The main job on real data: the brain in a T1 head MRI, with no hand on it. Results land in demo-out/.
+# The main task on real data: segments the brain in a T1 head MRI, fully automatically. Results are in demo-out/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh release pellicle

@@ -1,7 +1,7 @@
-# To be sourced: a Slurm of one node in a folder of its own, with its own key, sockets and ports, for tests. It needs Debian's
-# package `slurm-wlm`, no systemd, no control groups and no root; a Slurm that the machine may run already is not touched.
-#   one_node_slurm_start FOLDER   exports SLURM_CONF for sbatch and the rest; fails when the node does not come up
-#   one_node_slurm_stop           ends the daemons and the jobs; to be called from a trap on EXIT
+# A Slurm with one node for tests, in its own folder, with its own key, sockets and ports. Source this file. It needs Debian's
+# package `slurm-wlm`, but no systemd, no control groups and no root. A Slurm that already runs on the machine is not touched.
+#   one_node_slurm_start FOLDER   exports SLURM_CONF for sbatch and the other commands; fails if the node does not start
+#   one_node_slurm_stop           ends the daemons and the jobs; call it from a trap on EXIT
 
 one_node_slurm_pids=()
 
@@ -12,7 +12,7 @@ one_node_slurm_missing() {
   done
 }
 
-# As many ports as asked for that nobody listens to at the moment.
+# Prints N free ports.
 one_node_slurm_ports() {
   python3 -c 'import socket, sys
 sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(int(sys.argv[1]))]
@@ -54,7 +54,7 @@ NodeName=here NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 CPUs=$(nproc) RealM
 PartitionName=all Nodes=here Default=YES MaxTime=INFINITE State=UP
 CONF
   export SLURM_CONF=$folder/slurm.conf
-  # --force: a scratch folder that only its owner may enter is enough here.
+  # --force: accept a temporary folder; only its owner can enter it.
   munged --foreground --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
     --seed-file="$folder/munge.seed" --log-file="$folder/munged.log" >"$folder/munged.out" 2>&1 &
   one_node_slurm_pids+=($!)
@@ -78,7 +78,7 @@ one_node_slurm_stop() {
   if scancel --user="$(id -un)" >/dev/null 2>&1; then
     for ((i = 0; i < 100; i++)); do [ -z "$(squeue --noheader 2>/dev/null)" ] && break; sleep 0.1; done
   fi
-  for ((i = ${#one_node_slurm_pids[@]} - 1; i >= 0; i--)); do # the node, the controller, at last the keys
+  for ((i = ${#one_node_slurm_pids[@]} - 1; i >= 0; i--)); do # first slurmd, then slurmctld, last munged
     kill "${one_node_slurm_pids[i]}" 2>/dev/null || true
     wait "${one_node_slurm_pids[i]}" 2>/dev/null || true
   done

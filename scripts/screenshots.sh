@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 "$program" segment -q -i "$head" -o "$work/demo" --preset brain-t1 --write mask,mesh,model,report,qc
 "$program" report "$work/demo" -o "$work/demo.html"
 
-# Twelve: shapes, polarities, noise; one volume without any object, one that is no volume.
+# Twelve cases with different shapes, polarities and noise; one volume contains no object, one file is not a volume.
 phantom() { "$program" phantom -q -o "$work" --size 56,56,56 --name "$@" >/dev/null; }
 phantom bean --shape bean --radius 15 --snr 12
 phantom bean-dark --shape bean --contrast 20,100 --radius 15 --snr 12
@@ -33,7 +33,7 @@ echo "no volume" >"$work/truncated.nii"
   done
   echo "truncated,truncated.nii,\"0,0,0,6\""
 } >"$work/cases.csv"
-(cd "$work" && "$program" batch cases.csv -o batch --keep-going --jobs 2 -q >/dev/null) || true  # 1: a case failed, as meant
+(cd "$work" && "$program" batch cases.csv -o batch --keep-going --jobs 2 -q >/dev/null) || true  # exit code 1 is expected: a case fails
 (cd "$work" && "$program" report batch -o batch.html --title "Twelve phantoms" --voxels 64)
 
 PYTHONPATH=tests/report:scripts/pictures /usr/bin/python3 - "$work" "$images" <<'PY'
@@ -56,7 +56,7 @@ def shoot(page, picture, height, case=None):
             browser.run(f"[...document.querySelectorAll('#table tbody tr')].find(r => r.cells[1].textContent === '{case}').click()")
             browser.wait_for("document.body.dataset.viewer === 'ready'")
             browser.run("scrollTo(0, 0)")
-        # Nothing sticks out sideways, nothing is complained of.
+        # The page is not wider than the window, and the browser reports no errors.
         assert browser.run("document.documentElement.scrollWidth <= innerWidth")
         browser.run("new Promise(done => requestAnimationFrame(() => { dispatchEvent(new Event('resize')); requestAnimationFrame(done) }))")
         browser.screenshot(images / picture)

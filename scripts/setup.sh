@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up a Debian 12 machine: installs the packages by name, configures and builds. Safe to run again.
-#   scripts/setup.sh [preset] [target ...]      default: release, everything; SKIP_APT=1 leaves packages alone
+# Sets up a Debian 12 machine: installs the packages listed below, configures and builds. It can be run again at any time.
+#   scripts/setup.sh [preset] [target ...]      default: release, all targets; SKIP_APT=1 installs no packages
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}

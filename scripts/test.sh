@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up and runs every test.
+# Installs packages, builds, and runs every test.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh release

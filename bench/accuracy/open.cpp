@@ -12,7 +12,7 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/point_tree.h"
 #include "pellicle/mesh/rim.h"
-#include "pellicle/pipeline/fit_points.h"
+#include "pellicle/output/fit_points.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -125,7 +125,7 @@ void open_table(const Options& options) {
         write_text_file(settings.input, text);
         const std::string row = fmt::format("| {} | {:.1f} | {} |", shape.name, 100.0 * noise, draw + 1);
         try {
-          const GeometryFitResult result = fit_geometry(settings, {});
+          const GeometryFitResult result = fit_to_files(settings, {}, {});
           const FittedSurface& fitted = result.tried[result.chosen];
           const PointFitSummary& s = fitted.fit.summary;
           const double percent = 100.0 / result.input.data.diameter;

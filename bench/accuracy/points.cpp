@@ -7,7 +7,7 @@
 #include "pellicle/image/reorder.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/overlap.h"
-#include "pellicle/pipeline/seeding.h"
+#include "pellicle/output/seed_files.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/components.h"
 #include "sections.h"

@@ -11,7 +11,7 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/fit_points.h"
+#include "pellicle/output/fit_points.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -43,7 +43,7 @@ void try_fit(const Options& options, const std::filesystem::path& path, Geometry
   settings.overwrite = true;
   settings.write = {"report"};
   try {
-    print_row(file, fit_geometry(settings, {}), true_genus);
+    print_row(file, fit_to_files(settings, {}, {}), true_genus);
   } catch (const std::exception& fault) {
     fmt::print("| {} | fails: {} | | | | | | | | | | |\n", file, fault.what());
   }

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Draws what each preset does on a fitting example: the click or nothing, and the surface in three slices.
+"""Draws the result of each preset on an example: three slices with the surface and, if there is one, the click.
 
-    scripts/pictures/draw_presets.py [--data FOLDER] [PRESET ...]       pictures land in docs/images/preset-PRESET.png
+    scripts/pictures/draw_presets.py [--data FOLDER] [PRESET ...]       writes docs/images/preset-PRESET.png
 
 `organ-ct` and `lesion` need FOLDER/organs-ct/example_ct.nii.gz (TotalSegmentator's test files) and FOLDER/sarcoma/STS_002_CT_image.nii.gz
-(IBSI validation set); without FOLDER they are left out. The others are drawn from phantoms and the head of mricron-data.
+(IBSI validation set); without --data they are skipped. The others use phantoms and the head of mricron-data.
 """
 import argparse
 import pathlib
@@ -20,7 +20,7 @@ NAMES = ("axial", "coronal", "sagittal")
 
 
 def slices(volume, meshes, at, scale=6, box=None, click=None):
-    """Three slices through a place; the click as a dashed ball where it is in the picture."""
+    """Three slices through the point `at`; the click as a dashed circle."""
     panels = []
     for axis, name in zip((2, 1, 0), NAMES):
         panel = Slice(volume, at, axis, scale, box)

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Draws clouds of points (above) and the Catmull-Clark surfaces that `pellicle fit` puts through them (below).
+"""Draws point clouds (above) and the Catmull-Clark surfaces that `pellicle fit` fits to them (below).
 
-    scripts/pictures/draw_shapes.py CLOUD.xyz ...              the picture lands in docs/images/shapes.png
-    scripts/pictures/draw_shapes.py --open CLOUD.xyz ...       open surfaces: docs/images/open.png
+    scripts/pictures/draw_shapes.py CLOUD.xyz ...              writes docs/images/shapes.png
+    scripts/pictures/draw_shapes.py --open CLOUD.xyz ...       open surfaces: writes docs/images/open.png
 
-Clouds are text files with a point a line.
+Clouds are text files with one point per line.
 """
 import pathlib
 import sys
@@ -29,7 +29,8 @@ def rows_of(path):
 
 
 def view_of(points, from_below):
-    """A turn that shows the broad side, a little from above, or the mouth below, and what brings the points into the picture."""
+    """A function from world to picture coordinates: a rotation to the broad side, seen a little from above (or, with
+    from_below, from the side of the mouth), then scaled and centred."""
     middle = points.mean(0)
     if from_below:
         axes, tilt = numpy.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]), numpy.radians(-40)
@@ -44,7 +45,7 @@ def view_of(points, from_below):
 
 
 def dotted(points):
-    """Nearer points darker."""
+    """A picture of the points; nearer points are darker."""
     picture = numpy.full((SIZE, SIZE), 255.0)
     shown = points[numpy.argsort(points[:, 2])]
     near = (shown[:, 2] - shown[:, 2].min()) / numpy.ptp(shown[:, 2])
@@ -54,7 +55,7 @@ def dotted(points):
 
 
 def shaded(points, facets):
-    """A depth buffer over points spread on the facets, lit from the viewer's upper left."""
+    """A shaded picture: a depth buffer of random points on the facets, with light from the upper left of the viewer."""
     corner = points[facets]
     cross = numpy.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     area = numpy.linalg.norm(cross, axis=1)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Draws what the weight of each energy does: the same phantom fitted with a small, a middling and a large weight.
+"""Draws the effect of the weight of each energy: the same phantom fitted with a small, a medium and a large weight.
 
-    scripts/pictures/draw_weights.py [ENERGY ...]        pictures land in docs/images/weight-ENERGY.png
+    scripts/pictures/draw_weights.py [ENERGY ...]        writes docs/images/weight-ENERGY.png
 
 Orange: the fit. Blue: the phantom's exact surface. Needs the release build, python3-numpy, python3-nibabel, chromium and, for
 `crossing`, the head of mricron-data (scripts/setup.sh installs them).
@@ -20,7 +20,7 @@ HEAD = "/usr/share/mricron/templates/ch2.nii.gz"
 
 
 def stage(energies, solver="least-squares", detail=2, steps=60, smoothing=1.0):
-    """A settings file of one stage, so that no other stage hides what the weight does."""
+    """A settings file with one stage, so that no other stage hides the effect of the weight."""
     lines = ["[[stage]]", 'name = "one"', f"detail = {detail}", "resolution = 1", f"smoothing = {smoothing}", "reach = 8",
              f"max_steps = {steps}", "tolerance = 0.005", f'solver = "{solver}"', "[stage.energies]"]
     return "\n".join(lines + [f"{name} = {weight}" for name, weight in energies.items()]) + "\n"
@@ -35,7 +35,7 @@ class Folder:
         return Volume(self.path / "p.nii.gz"), truth_mesh(self.path, "p") if "cluster" not in flags else None
 
     def fit(self, *flags, config=None, volume=None):
-        """The meshes of a fit, one an object."""
+        """The meshes of a fit, one per object."""
         self.count += 1
         out = self.path / f"fit{self.count}"
         if config is not None:
@@ -58,11 +58,11 @@ def three(volume, truth, fits, at=(0, 0, 0), axis=2, **more):
 
 
 BLOB = ("--shape", "blob", "--radius", 18, "--amplitude", 0.5, "--seed", 5)
-READING = ("--polarity", "bright", "--boundary", "step", "--similarity=false")  # one: no other reading of the image takes over
+READING = ("--polarity", "bright", "--boundary", "step", "--similarity=false")  # one hypothesis about the image only
 
 
 def weighted(f, name, weights, others, *flags, solver="least-squares", detail=2, seed="0,0,0,10"):
-    """Fits of one stage with the weights of `name`, all else alike."""
+    """Fits of one stage with the given weights of the energy `name`; all other settings are the same."""
     return [(f"{name} {w:g}", f.fit("--seed-sphere", seed, *READING, *flags, config=stage({**others, name: w}, solver, detail))) for w in weights]
 
 

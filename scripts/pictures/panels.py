@@ -1,4 +1,4 @@
-"""Panels of slices and surfaces side by side, as one PNG: drawn as SVG, turned into pixels by a headless Chromium.
+"""Panels of slices and surfaces side by side in one PNG file: drawn as SVG and rendered by a headless Chromium.
 
 Voxels are drawn as squares of whole pixels, so that the PNG stays small.
 """
@@ -17,13 +17,13 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "report"))
 from browser import Browser  # noqa: E402
 
-FIT, TRUTH, SEED = "#e69f00", "#56b4e9", "#f0e442"  # told apart by colour-blind people
+FIT, TRUTH, SEED = "#e69f00", "#56b4e9", "#f0e442"  # colours that colour-blind people can distinguish
 MANY = [FIT, TRUTH, "#009e73", "#f0e442", "#cc79a7", "#d55e00"]
 GAP, HEAD = 8, 26
 
 
 def run(program, *arguments):
-    """0 and 3 (an object failed its checks) are results, anything else is a fault."""
+    """Runs a command. Exit codes 0 and 3 (an object failed its checks) are accepted; every other code raises an error."""
     done = subprocess.run([program, *map(str, arguments), "-q"], capture_output=True, text=True)
     if done.returncode not in (0, 3):
         raise RuntimeError(f"{arguments}: {done.stderr}")
@@ -31,7 +31,7 @@ def run(program, *arguments):
 
 
 def grey_png(pixels):
-    """A data address of an 8-bit picture; rows from the top."""
+    """A data URL of an 8-bit grey picture; the first row is the top."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(numpy.uint8))
@@ -64,7 +64,7 @@ def truth_mesh(folder, name):
 
 
 class Volume:
-    """Voxels turned so that their axes run to the patient's left, front and head: pictures show the right on the left."""
+    """A volume whose axes point to the patient's left, front and head, so that pictures show the right on the left."""
 
     def __init__(self, path, window=None):
         picture = nibabel.as_closest_canonical(nibabel.load(path))
@@ -81,7 +81,7 @@ class Volume:
 
 
 def cut(points, facets, axis, level):
-    """Segments of a mesh in the plane where coordinate `axis` is `level`."""
+    """Line segments where a mesh meets the plane in which coordinate `axis` is `level`."""
     level += 1e-7
     corner = points[facets]
     side = corner[:, :, axis] > level
@@ -98,8 +98,8 @@ def cut(points, facets, axis, level):
 
 
 class Slice:
-    """One slice of a volume with the cuts of surfaces over it. `at` is a place in LPS mm; `axis` the voxel axis that is
-    cut; `box` the voxels that are shown; `scale` pixels to the shortest voxel edge."""
+    """One slice of a volume with contours of surfaces. `at` is a point of the slice, LPS mm; `axis` is the voxel axis at
+    right angles to the slice; `box` the voxels that are shown; `scale` the pixels per shortest voxel edge."""
 
     def __init__(self, volume, at, axis=2, scale=6, box=None):
         self.volume, self.axis = volume, axis
@@ -116,7 +116,7 @@ class Slice:
         return ((self.high[self.across] - self.low[self.across]) * self.pixels[0], (self.high[self.up] - self.low[self.up]) * self.pixels[1])
 
     def place(self, index):
-        """Picture coordinates of voxel coordinates: the second axis points upward."""
+        """Picture coordinates from voxel coordinates; the second axis points up."""
         x = (index[..., self.across] - self.low[self.across] + 0.5) * self.pixels[0]
         y = (self.high[self.up] - index[..., self.up] - 0.5) * self.pixels[1]
         return x, y
@@ -147,13 +147,13 @@ class Slice:
         plane = numpy.take(grey, self.level, self.axis)
         plane = plane[self.low[self.across]:self.high[self.across], self.low[self.up]:self.high[self.up]]
         w, h = self.extent()
-        # 64 greys are enough to look at, and make the file smaller.
+        # 64 grey values are enough for the eye, and the file is smaller.
         data = grey_png((numpy.rint(plane / 255 * 63) * (255 / 63)).T[::-1])
         return f'<image href="{data}" width="{w}" height="{h}" preserveAspectRatio="none" style="image-rendering:pixelated"/>' + "".join(self.parts)
 
 
 class Wire:
-    """The facets of a mesh that look at the viewer along +y, in LPS."""
+    """A wire frame of the facets that face a viewer who looks along +y, LPS."""
 
     def __init__(self, mesh, half_width, size=336):
         self.mesh, self.half, self.size = mesh, half_width, size
@@ -177,7 +177,7 @@ class Wire:
 
 
 def write_png(panels, path):
-    """`panels`: pairs of a caption and something with extent() and svg(), side by side."""
+    """Writes the panels side by side. `panels`: pairs of a caption and an object with extent() and svg()."""
     groups, x, height = [], 0, 0
     for caption, panel in panels:
         w, h = panel.extent()

@@ -1,4 +1,4 @@
-"""PNG files made smaller: at most 256 colours, which are the means of the commonest of 32 x 32 x 32."""
+"""Makes PNG files smaller: at most 256 colours, the means of the most frequent cells of a 32 x 32 x 32 grid of colours."""
 import base64
 import pathlib
 import struct

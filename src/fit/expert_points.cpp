@@ -97,18 +97,19 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
   return Surface{start, on_ellipsoid(start, mean, shape)};
 }
 
-std::shared_ptr<const Leash> leash_of(const Surface& drawn, const ExpertPoints& points, double h) {
+std::shared_ptr<const SearchLimit> search_limit_of(const Surface& drawn, const ExpertPoints& points, double h) {
   const TriangleMesh mesh = tessellate(drawn, std::max(3, tessellation_level(drawn, h)));
   const auto count = static_cast<double>(std::max<std::size_t>(1, points.points.size()));
-  return std::make_shared<const Leash>(mesh, std::max(3.0 * h, 0.5 * std::sqrt(area_of(mesh) / count)));
+  return std::make_shared<const SearchLimit>(mesh, std::max(3.0 * h, 0.5 * std::sqrt(area_of(mesh) / count)));
 }
 
-Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail) {
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail,
+                        const Observer& observer) {
   FitSettings settings;
   settings.points = points;
   GeometryCache geometry;
-  const StageContext context{image, settings, geometry};
-  FitState state{.surface = start, .detail = refinements_of(start.model), .reading = {}, .levels = {}, .reason = {}};
+  const StageContext context{image, settings, geometry, observer};
+  Candidate state{.surface = start, .detail = refinements_of(start.model)};
   const double bending[] = {2e-3, 1e-3, 2e-4};
   for (int d = 0; d <= std::min(detail, 2); ++d) {
     if (d < std::min({state.detail, detail, 2})) continue;
@@ -119,7 +120,7 @@ Surface drawn_to_points(const Image<float>& image, const Surface& start, const E
                       .max_steps = 15,
                       .tolerance = 0.02};
     Surface before = state.surface;
-    run_stage(context, stage, state);
+    run_stage(context, {stage}, state);
     if (state.status != FitStatus::ok) return before;
   }
   return state.surface;

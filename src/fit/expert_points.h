@@ -33,9 +33,10 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
 
 /// Half the mean gap between the points on the surface drawn to them (three voxels at least): between points it is as
 /// uncertain as they are far apart, and there the image may not lead it away (along the brain stem, say).
-std::shared_ptr<const Leash> leash_of(const Surface& drawn, const ExpertPoints& points, double h);
+std::shared_ptr<const SearchLimit> search_limit_of(const Surface& drawn, const ExpertPoints& points, double h);
 
 /// `start` drawn to the points alone, with `detail` refinements at most; where one fails, as it was before.
-Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail);
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail,
+                        const Observer& observer);
 
 }  // namespace pellicle

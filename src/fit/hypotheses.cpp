@@ -15,12 +15,8 @@ namespace pellicle {
 
 namespace {
 
-FitState state_from(const SurfaceModel& model, const Vec3& centre, const Mat3& shape) {
-  FitState state{.surface = {model, on_ellipsoid(model, centre, shape)},
-                 .reading = {},
-                 .levels = {},
-                 .status = FitStatus::ok,
-                 .reason = {}};
+Candidate candidate_from(const SurfaceModel& model, const Vec3& centre, const Mat3& shape) {
+  Candidate state{.surface = {model, on_ellipsoid(model, centre, shape)}};
   state.start_volume = 4.0 / 3.0 * std::numbers::pi * std::abs(shape.determinant());
   return state;
 }
@@ -62,9 +58,9 @@ std::string reading_name(const RayReading& reading) {
   return reading.ridge ? "membrane" : reading.sign > 0.0 ? "bright" : "dark";
 }
 
-std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedSphere& seed,
-                                          const FitSettings& settings, const std::string& prefix) {
-  std::vector<Hypothesis> list;
+std::vector<Candidate> sphere_hypotheses(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
+                                         const std::string& prefix) {
+  std::vector<Candidate> list;
   double h = 1.0;
   const Image<float> smoothed = ray_image(image, seed, h);
   const SurfaceModel model = start_model(settings.model);
@@ -74,13 +70,13 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
     if (!allowed(settings, rays)) continue;
     const bool as_seeded = settings.start_rule == StartRule::sphere;
     const Mat3 ball = seed.radius * Mat3::Identity();
-    Hypothesis hypothesis{
-        .start = as_seeded ? state_from(model, seed.center, ball) : state_from(model, rays.center, rays.shape),
-        .stages = stages_of(settings)};
-    hypothesis.start.reading = {prefix + reading_name(rays), rays.sign, rays.ridge, rays.inside, rays.outside, {}, {}};
-    hypothesis.start.levels = {rays.inside, rays.outside, {}, {}};
+    Candidate hypothesis =
+        as_seeded ? candidate_from(model, seed.center, ball) : candidate_from(model, rays.center, rays.shape);
+    hypothesis.stages = stages_of(settings);
+    hypothesis.reading = {prefix + reading_name(rays), rays.sign, rays.ridge, rays.inside, rays.outside, {}, {}};
+    hypothesis.levels = {rays.inside, rays.outside, {}, {}};
     const double radius = std::cbrt(std::abs(rays.shape.determinant()));
-    if (!as_seeded) hypothesis.start.reach_mm = std::max(0.6 * radius, 5.0 * h);
+    if (!as_seeded) hypothesis.first_reach_mm = std::max(0.6 * radius, 5.0 * h);
     hypothesis.compare_after = comparison_point(hypothesis.stages);
     hypothesis.ball = seed;
     hypothesis.seed_radius = std::max(seed.radius, 4.0 * h);  // a click says little of the size
@@ -89,16 +85,16 @@ std::vector<Hypothesis> sphere_hypotheses(const Image<float>& image, const SeedS
   return list;
 }
 
-Hypothesis head_hypothesis(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
-                           const std::string& prefix) {
+Candidate head_hypothesis(const Image<float>& image, const SeedSphere& seed, const FitSettings& settings,
+                          const std::string& prefix) {
   const HeadReading head = read_head(image);
-  Hypothesis hypothesis{.start = state_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity()),
-                        .stages = stages_of(settings),
-                        .certain = true};
-  hypothesis.start.reading.name = prefix + "head";
-  hypothesis.start.reading.tissue = head.levels;
-  hypothesis.start.reading.inside = hypothesis.start.levels.inside = head.levels.middle;
-  hypothesis.start.reading.outside = hypothesis.start.levels.outside = head.levels.low;
+  Candidate hypothesis = candidate_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity());
+  hypothesis.stages = stages_of(settings);
+  hypothesis.certain = true;
+  hypothesis.reading.name = prefix + "head";
+  hypothesis.reading.tissue = head.levels;
+  hypothesis.reading.inside = hypothesis.levels.inside = head.levels.middle;
+  hypothesis.reading.outside = hypothesis.levels.outside = head.levels.low;
   hypothesis.compare_after = hypothesis.stages.size();
   return hypothesis;
 }
@@ -110,7 +106,7 @@ struct Bands {
 };
 
 void read_levels(const Image<float>& image, const FitSettings& settings, const SurfaceSamples& samples,
-                 const Bands& bands, FitState& state) {
+                 const Bands& bands, Candidate& state) {
   const double h = image.grid.mean_spacing();
   const double reach = std::max(bands.inside_far, bands.outside_far);
   const Reading plain;
@@ -135,8 +131,8 @@ void read_levels(const Image<float>& image, const FitSettings& settings, const S
 // A surface that is already near tells its levels and its polarity itself, and is refined by edge stages alone: the
 // wide searches that find an object from a ball would only lead away from it. Should it be off by more than edge
 // stages reach, a search over half of the object's thickness (2 V/A: the radius of a tube) is the second reading.
-std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surface& seed, const FitSettings& settings,
-                                           const std::string& prefix) {
+std::vector<Candidate> surface_hypotheses(const Image<float>& image, const Surface& seed, const FitSettings& settings,
+                                          const std::string& prefix) {
   GeometryCache geometry;
   const StageGeometry& g = geometry.get(seed.model, sampling_level(seed.model, 1e9, 1.0, Density::fine));
   SurfaceSamples samples;
@@ -144,44 +140,43 @@ std::vector<Hypothesis> surface_hypotheses(const Image<float>& image, const Surf
   const double volume = facet_volume(g.layout, samples.x);
   const double thickness = 2.0 * volume / sum(sample_areas(g.layout, samples.x)), h = image.grid.mean_spacing();
   const auto reading = [&](const std::string& name, const Bands& bands) {
-    Hypothesis hypothesis{.start = {.surface = seed, .reading = {}, .levels = {}, .reason = {}},
-                          .stages = stages_of(settings)};
-    hypothesis.start.detail = refinements_of(seed.model);
-    hypothesis.start.start_volume = volume;
-    hypothesis.start.reading.name = prefix + name;
-    read_levels(image, settings, samples, bands, hypothesis.start);
+    Candidate hypothesis{.surface = seed, .stages = stages_of(settings)};
+    hypothesis.detail = refinements_of(seed.model);
+    hypothesis.start_volume = volume;
+    hypothesis.reading.name = prefix + name;
+    read_levels(image, settings, samples, bands, hypothesis);
     return hypothesis;
   };
   constexpr double kNear = 3.0;  // voxels
   const auto searches = [](const Stage& stage) { return stage.energies.contains("region"); };
-  std::vector<Hypothesis> list;
+  std::vector<Candidate> list;
   list.push_back(reading("seed surface", {1.5 * h, 5.0 * h, 1.5 * h, 5.0 * h}));
-  Hypothesis& near = list.front();
-  if (settings.start_rule == StartRule::head) near.start.reading.tissue = read_head(image).levels;
+  Candidate& near = list.front();
+  if (settings.start_rule == StartRule::head) near.reading.tissue = read_head(image).levels;
   if (!settings.stages.empty() || settings.start_rule == StartRule::head) {
     near.certain = true;
     near.compare_after = near.stages.size();
     return list;
   }
-  near.start.leash = std::make_shared<const Leash>(mesh_of(g.layout, samples), kNear * h);
+  near.limit = std::make_shared<const SearchLimit>(mesh_of(g.layout, samples), kNear * h);
   std::erase_if(near.stages, searches);
   near.stages.insert(near.stages.begin(), near.stages.front());  // compared first, then run again with samples left out
   near.compare_after = 1;
-  if (near.start.reading.ridge || !(thickness > 0.0)) {
+  if (near.reading.ridge || !(thickness > 0.0)) {
     near.certain = true;
     return list;
   }
   list.push_back(
       reading("seed surface, searched around", {0.25 * thickness, 0.7 * thickness, 0.4 * thickness, thickness}));
-  list.back().start.reach_mm = std::max(0.5 * thickness, 5.0 * h);
+  list.back().first_reach_mm = std::max(0.5 * thickness, 5.0 * h);
   list.back().compare_after = comparison_point(list.back().stages);
   return list;
 }
 
 }  // namespace
 
-std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
-                                       const std::string& prefix) {
+std::vector<Candidate> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
+                                      const std::string& prefix, const Observer& observer) {
   const auto* surface = std::get_if<Surface>(&seed);
   const bool free_start = settings.start_rule == StartRule::automatic && settings.stages.empty();
   if (free_start && stages_of(settings).front().energies["springs"] > 0.0) {
@@ -189,12 +184,12 @@ std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& se
     const std::optional<Surface> start =
         surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);
     if (start) {
-      const Surface drawn = drawn_to_points(image, *start, settings.points, settings.detail.value_or(2));
-      std::vector<Hypothesis> list = surface_hypotheses(image, drawn, settings, prefix + "expert points, ");
+      const Surface drawn = drawn_to_points(image, *start, settings.points, settings.detail.value_or(2), observer);
+      std::vector<Candidate> list = surface_hypotheses(image, drawn, settings, prefix + "expert points, ");
       // The points say where the object is: no wider search, and no other reading unless this one fails.
       list.erase(list.begin() + 1, list.end());
       list.front().certain = true;
-      list.front().start.leash = leash_of(drawn, settings.points, h);
+      list.front().limit = search_limit_of(drawn, settings.points, h);
       return list;
     }
   }
@@ -204,8 +199,8 @@ std::vector<Hypothesis> hypotheses_for(const Image<float>& image, const Seed& se
   return sphere_hypotheses(image, sphere, settings, prefix);
 }
 
-std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const SeedSphere& seed,
-                                              const FitSettings& settings, const std::string& prefix) {
+std::vector<Candidate> similarity_hypotheses(const Image<float>& image, const SeedSphere& seed,
+                                             const FitSettings& settings, const std::string& prefix) {
   const double h = image.grid.mean_spacing();
   const double around = std::max(4.0 * seed.radius, 15.0 * h);
   const Vec3 reach = Vec3::Constant(around);
@@ -216,21 +211,20 @@ std::vector<Hypothesis> similarity_hypotheses(const Image<float>& image, const S
   std::vector<double> values(smoothed.voxels.begin(), smoothed.voxels.end());
   const double range_around = quantile_of(values, 0.98) - quantile_of(values, 0.02);
   const double noise = std::max(noise_of(image, box), 0.005 * range_around);
-  std::vector<Hypothesis> list;
+  std::vector<Candidate> list;
   if (!(noise > 0.0)) return list;
   for (int j = 0; j <= 8; ++j) {
     const double range = 1.5 * noise * std::pow(2.0, 0.5 * j);
-    Hypothesis hypothesis{.start = state_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity()),
-                          .stages = {}};
-    hypothesis.start.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
-                                1.0,
-                                false,
-                                0.0,
-                                -range,
-                                Similarity{level, range},
-                                {}};
-    hypothesis.start.levels = {0.0, -range, {}, {}};
-    hypothesis.start.start_volume = 0.0;  // the seed says where, not how large: evidence judges
+    Candidate hypothesis = candidate_from(start_model(settings.model), seed.center, seed.radius * Mat3::Identity());
+    hypothesis.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
+                          1.0,
+                          false,
+                          0.0,
+                          -range,
+                          Similarity{level, range},
+                          {}};
+    hypothesis.levels = {0.0, -range, {}, {}};
+    hypothesis.start_volume = 0.0;  // the seed says where, not how large: evidence judges
     hypothesis.ball = seed;
     hypothesis.seed_radius = std::max(seed.radius, 4.0 * h);  // a click says little of the size
     const double smooth = 1e-3;

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/body.h"
 #include "pellicle/fit/many_evidence.h"
@@ -21,10 +20,10 @@ namespace {
 
 constexpr double kFittedByScale =
     1.15;  // radius of fitted surfaces over that of the scale space, on phantoms and stacks
-/// One object on its way.
-struct Candidate {
+/// One object as it is fitted.
+struct ObjectFit {
   ManyStart start = {};
-  FitState state;
+  Candidate state;
   std::vector<StageSummary> stages = {};
   BodyEvidence evidence = {};
   double inside = 0.0, beyond = 0.0;  ///< levels of the last fit
@@ -34,7 +33,7 @@ struct Candidate {
 };
 
 void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& piece, const Territory& territory,
-           Domain domain, Candidate& c) {
+           Domain domain, ObjectFit& c) {
   const StageGeometry& geometry = cache.get(c.state.surface.model, 2);
   SurfaceSamples samples;
   evaluate(c.state.surface.model, c.state.surface.parameters, geometry.layout, false, samples);
@@ -65,33 +64,34 @@ void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& pie
 
 /// Fits every candidate that is still kept, from its own start.
 void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const std::vector<double>* typical,
-             std::vector<Candidate>& candidates, const std::function<void(double)>& tell) {
+             std::vector<ObjectFit>& candidates, const Observer& observer) {
   FitSettings settings = scene.settings.fit;
   settings.smoothing_mm.reset();  // the piece is smoothed already
   std::atomic<std::size_t> done{0};
   parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Candidate& c = candidates[i];
+      ObjectFit& c = candidates[i];
       if (!c.kept) continue;
-      check_interrupt();
+      observer.check_stopped();
       const Territory territory = territory_of(scene, i, c.start);
       const Image<float> piece = piece_of(scene, territory, domain);
       c.state = start_of(scene, c.start, territory);
-      c.state.crowd = {&territory.own, scene.radius, typical};
+      c.state.one_of_many = {&territory.own, scene.radius, typical};
       c.stages.clear();
-      const StageContext context{piece, settings, cache};
+      const StageContext context{piece, settings, cache, observer};
       for (const Stage& stage : scene.stages) {
-        if (c.state.status == FitStatus::ok) c.stages.push_back(run_stage(context, stage, c.state));
+        if (c.state.status == FitStatus::ok) c.stages.push_back(run_stage(context, {stage}, c.state).summary);
       }
       judge(scene, cache, piece, territory, domain, c);
-      c.state.crowd = {};
+      c.state.one_of_many = {};
       const std::size_t now = ++done;
-      if (tell && now % 16 == 0) tell(static_cast<double>(now) / static_cast<double>(candidates.size()));
+      if (now % 16 == 0)
+        observer.tell_progress(static_cast<double>(now) / static_cast<double>(candidates.size()), "fitting");
     }
   });
 }
 
-std::size_t reject(std::vector<Candidate>& candidates, const std::vector<bool>& keep) {
+std::size_t reject(std::vector<ObjectFit>& candidates, const std::vector<bool>& keep) {
   std::size_t gone = 0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (candidates[i].kept && !keep[i]) {
@@ -102,35 +102,35 @@ std::size_t reject(std::vector<Candidate>& candidates, const std::vector<bool>& 
   return gone;
 }
 
-std::vector<BodyEvidence> evidences(const std::vector<Candidate>& candidates) {
+std::vector<BodyEvidence> evidences(const std::vector<ObjectFit>& candidates) {
   std::vector<BodyEvidence> list;
   list.reserve(candidates.size());
-  for (const Candidate& c : candidates) {
+  for (const ObjectFit& c : candidates) {
     list.push_back(c.evidence);
     if (c.state.status != FitStatus::ok) list.back().radius = 0.0;
   }
   return list;
 }
 
-std::vector<Surface> surfaces(const std::vector<Candidate>& candidates) {
+std::vector<Surface> surfaces(const std::vector<ObjectFit>& candidates) {
   std::vector<Surface> list;
   list.reserve(candidates.size());
-  for (const Candidate& c : candidates) list.push_back(c.state.surface);
+  for (const ObjectFit& c : candidates) list.push_back(c.state.surface);
   return list;
 }
 
-std::vector<bool> kept(const std::vector<Candidate>& candidates) {
+std::vector<bool> kept(const std::vector<ObjectFit>& candidates) {
   std::vector<bool> list;
   list.reserve(candidates.size());
-  for (const Candidate& c : candidates) list.push_back(c.kept);
+  for (const ObjectFit& c : candidates) list.push_back(c.kept);
   return list;
 }
 
 /// Radius at every sample of the typical object: median over those that are seen well and whole.
-std::vector<double> typical_radii(GeometryCache& cache, const std::vector<Candidate>& candidates) {
+std::vector<double> typical_radii(GeometryCache& cache, const std::vector<ObjectFit>& candidates) {
   std::vector<std::vector<double>> all;
   for (const bool strict : {true, false}) {
-    for (const Candidate& c : candidates) {
+    for (const ObjectFit& c : candidates) {
       if (!c.kept || (strict && (c.evidence.support < 0.55 || c.evidence.visible < 0.999))) continue;
       const StageGeometry& geometry = cache.get(c.state.surface.model, 2);
       SurfaceSamples samples;
@@ -155,15 +155,15 @@ std::vector<double> typical_radii(GeometryCache& cache, const std::vector<Candid
   return typical;
 }
 
-double median_variation(const std::vector<Candidate>& candidates) {
+double median_variation(const std::vector<ObjectFit>& candidates) {
   std::vector<double> values;
-  for (const Candidate& c : candidates) {
+  for (const ObjectFit& c : candidates) {
     if (c.kept) values.push_back(c.variation);
   }
   return values.empty() ? 1.0 : median_of(values);
 }
 
-ManyObject object_of(const ManyScene& scene, std::size_t source, const Candidate& c) {
+ManyObject object_of(const ManyScene& scene, std::size_t source, const ObjectFit& c) {
   ManyObject object{source, c.state.surface, {}, c.evidence};
   FitSummary& s = object.summary;
   s.status = c.state.status;
@@ -182,15 +182,9 @@ bool wants_dark(const Image<float>& image, const FitSettings& settings) {
   return looks_dark(image);
 }
 
-std::function<void(double)> part_of(const Progress& progress, double from, double to) {
-  return [&progress, from, to](double share) {
-    if (progress) progress(from + share * (to - from), "fitting");
-  };
-}
-
 /// Fits in the stabilised image and judges them; then in the image itself. `found`: they were not asked for one by one.
-ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candidate> candidates, bool found,
-               const Progress& progress) {
+ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<ObjectFit> candidates, bool found,
+               const Observer& observer) {
   ManyResult result;
   result.dark = scene.field.intensity.dark;
   result.radius = scene.radius;
@@ -199,8 +193,8 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candida
   const double ground = ground_deviation(scene.field, scene.radius, surfaces(candidates), kept(candidates));
   const std::vector<bool> believable = like_the_others(first, typical_body(first), ground, scene.settings.radius);
   if (found) result.weak = reject(candidates, believable);
-  std::vector<Candidate> stable = candidates;
-  fit_all(scene, cache, Domain::linear, nullptr, candidates, part_of(progress, 0.55, 0.9));
+  std::vector<ObjectFit> stable = candidates;
+  fit_all(scene, cache, Domain::linear, nullptr, candidates, observer.part(0.55, 0.9));
   result.variation = median_variation(candidates);
   // Bright cores in faint rims: the linear image shows the cores only. There the stabilised one is kept, and what an
   // object of this kind looks like helps where its own rim does not.
@@ -209,10 +203,10 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candida
     candidates = std::move(stable);
     if (!typical.empty()) {
       result.typical_shape = true;
-      fit_all(scene, cache, Domain::stable, &typical, candidates, part_of(progress, 0.9, 1.0));
+      fit_all(scene, cache, Domain::stable, &typical, candidates, observer.part(0.9, 1.0));
     }
   }
-  for (Candidate& c : candidates) {
+  for (ObjectFit& c : candidates) {
     if (found && c.state.status != FitStatus::ok && c.kept) {
       c.kept = false;
       ++result.weak;
@@ -220,7 +214,7 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candida
   }
   result.doubled = reject(candidates, not_doubled(surfaces(candidates), evidences(candidates), kept(candidates)));
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    Candidate& c = candidates[i];
+    ObjectFit& c = candidates[i];
     if (!c.kept) continue;
     // Judged in the stabilised image, whichever the last fit saw.
     const double radius = c.evidence.radius, visible = c.evidence.visible;
@@ -238,10 +232,10 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<Candida
 }
 
 ManyScene scene_of(const Image<float>& image, const ManySettings& settings, const BlobField& field, double radius,
-                   const std::vector<Candidate>& candidates) {
+                   const std::vector<ObjectFit>& candidates) {
   std::vector<Vec3> positions;
   positions.reserve(candidates.size());
-  for (const Candidate& c : candidates) positions.push_back(c.start.position);
+  for (const ObjectFit& c : candidates) positions.push_back(c.start.position);
   const auto [model, detail] = model_of_many(settings.fit);
   return {image,
           settings,
@@ -282,9 +276,9 @@ std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySetting
   return places;
 }
 
-ManyResult fit_many(Image<float> image, const ManySettings& settings, const Progress& progress) {
+ManyResult fit_many(Image<float> image, const ManySettings& settings, const Observer& observer) {
   settings.fit.validate();
-  if (progress) progress(0.0, "looking for objects");
+  observer.tell_progress(0.0, "looking for objects");
   const BlobField field = blob_field(image, wants_dark(image, settings.fit));
   const std::optional<double> estimate = estimate_radius(field, settings.radius);
   ManyResult nothing;
@@ -294,16 +288,16 @@ ManyResult fit_many(Image<float> image, const ManySettings& settings, const Prog
   image = smoothed_for_many(std::move(image), settings.fit, radius);
   GeometryCache cache;
   for (bool again = !settings.radius;; again = false) {
-    std::vector<Candidate> candidates;
+    std::vector<ObjectFit> candidates;
     for (const BlobSeed& seed : find_blobs(field, radius, settings.seeds)) {
       candidates.push_back(
           {.start = {.source = candidates.size(), .position = seed.position, .response = seed.response},
            .state = {.surface = {start_model(settings.fit.model), {}}}});
     }
     if (candidates.empty()) return nothing;
-    if (progress) progress(0.1, "territories");
+    observer.tell_progress(0.1, "territories");
     const ManyScene scene = scene_of(image, settings, field, radius, candidates);
-    fit_all(scene, cache, Domain::stable, nullptr, candidates, part_of(progress, 0.15, 0.55));
+    fit_all(scene, cache, Domain::stable, nullptr, candidates, observer.part(0.15, 0.55));
     // The objects themselves say best how large they are. Once, and not far from what the scales say.
     const double fitted = typical_body(evidences(candidates)).radius / kFittedByScale;
     const double seen = std::clamp(fitted, 0.75 * radius, radius / 0.75);
@@ -311,12 +305,12 @@ ManyResult fit_many(Image<float> image, const ManySettings& settings, const Prog
       radius = seen;
       continue;
     }
-    return run(scene, cache, std::move(candidates), true, progress);
+    return run(scene, cache, std::move(candidates), true, observer);
   }
 }
 
 ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const ManySettings& settings,
-                    const Progress& progress) {
+                    const Observer& observer) {
   settings.fit.validate();
   if (seeds.empty()) return {};
   const BlobField field = blob_field(image, wants_dark(image, settings.fit));
@@ -326,13 +320,13 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
   const RadiusRange range = settings.radius.value_or(RadiusRange{0.5 * given, 2.0 * given});
   const double radius = balls ? estimate_radius(field, range).value_or(given) : given;
   image = smoothed_for_many(std::move(image), settings.fit, radius);
-  std::vector<Candidate> candidates;
+  std::vector<ObjectFit> candidates;
   const std::vector<bool> own =
       balls ? without_repeats(seeds, blob_response(field, radius, 0.9), radius) : std::vector<bool>(seeds.size(), true);
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     if (!own[i]) continue;
     const Seed& seed = seeds[i];
-    Candidate c{.start = {.source = i, .position = middle_of(seed)},
+    ObjectFit c{.start = {.source = i, .position = middle_of(seed)},
                 .state = {.surface = {start_model(settings.fit.model), {}}}};
     if (const auto* ball = std::get_if<SeedSphere>(&seed)) {
       c.start.radius = ball->radius;
@@ -343,9 +337,9 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
   }
   const ManyScene scene = scene_of(image, settings, field, radius, candidates);
   GeometryCache cache;
-  fit_all(scene, cache, Domain::stable, nullptr, candidates, part_of(progress, 0.15, 0.55));
+  fit_all(scene, cache, Domain::stable, nullptr, candidates, observer.part(0.15, 0.55));
   const std::size_t repeats = seeds.size() - candidates.size();
-  ManyResult result = run(scene, cache, std::move(candidates), false, progress);
+  ManyResult result = run(scene, cache, std::move(candidates), false, observer);
   result.seeds = seeds.size();
   result.doubled += repeats;
   return result;

@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/fit.h"
+#include "pellicle/base/observer.h"
+#include "pellicle/fit/fit_types.h"
 #include "pellicle/seed/blob_scale_space.h"
+#include "pellicle/seed/seed.h"
 
 namespace pellicle {
 
@@ -55,11 +57,11 @@ std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySetting
 
 /// Finds and fits. The image is smoothed in place: move it in where it is not needed any more. No object is no error.
 /// \throws UsageError for settings that break a rule; Interrupted.
-ManyResult fit_many(Image<float> image, const ManySettings& settings, const Progress& progress = {});
+ManyResult fit_many(Image<float> image, const ManySettings& settings, const Observer& observer = {});
 
 /// From seeds, one object each; none is turned down for weak evidence (it is doubtful then), but of two that turn out
 /// to be one object the second goes. Balls are placed as given; surfaces that are already near are kept as starts.
 ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const ManySettings& settings,
-                    const Progress& progress = {});
+                    const Observer& observer = {});
 
 }  // namespace pellicle

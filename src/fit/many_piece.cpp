@@ -84,8 +84,8 @@ Image<float> smoothed_for_many(Image<float> image, const FitSettings& settings, 
   return gaussian_smooth(std::move(image), settings.smoothing_mm.value_or(kSmoothing * radius));
 }
 
-FitState start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory) {
-  FitState state{.surface = {scene.model, {}}, .detail = scene.detail};
+Candidate start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory) {
+  Candidate state{.surface = {scene.model, {}}, .detail = scene.detail};
   if (start.surface) {
     state.surface = *start.surface;
     state.detail = refinements_of(start.surface->model);

@@ -55,7 +55,7 @@ Image<float> piece_of(const ManyScene& scene, const Territory& territory, Domain
 Image<float> smoothed_for_many(Image<float> image, const FitSettings& settings, double radius);
 
 /// The surface that a fit begins with: as given, or a ball in the territory.
-FitState start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory);
+Candidate start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory);
 
 /// Typical radius of seeds that were given, mm.
 double typical_given(const std::vector<Seed>& seeds);

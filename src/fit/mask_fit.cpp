@@ -29,12 +29,11 @@ Part part_of(const Image<std::uint8_t>& mask) {
   return part;
 }
 
-FitState state_of(Surface surface, int detail) {
+Candidate candidate_of(Surface surface, int detail) {
   return {.surface = std::move(surface),
           .detail = detail,
           .reading = {.name = "mask", .sign = 1.0, .inside = 1.0, .outside = 0.0, .similarity = {}, .tissue = {}},
-          .levels = {1.0, 0.0, {}, {}},
-          .reason = {}};
+          .levels = {1.0, 0.0, {}, {}}};
 }
 
 /// To the boundary of the part, stage by stage: (detail, how far to look in mm). Ends before a stage that fails.
@@ -43,12 +42,12 @@ struct MaskFit {
   bool complete = true;
 };
 
-MaskFit fitted(const Image<float>& image, FitState state, const std::vector<std::pair<int, double>>& stages) {
+MaskFit fitted(const Image<float>& image, Candidate state, const std::vector<std::pair<int, double>>& stages) {
   FitSettings settings;
   GeometryCache geometry;
-  const StageContext context{image, settings, geometry};
+  const Observer nobody;
+  const StageContext context{image, settings, geometry, nobody};
   for (const auto& [detail, reach] : stages) {
-    state.reach_mm = reach;
     const Stage stage{.name = "mask",
                       .detail = detail,
                       .energies = {{"region", 1.0}, {"bending", 5e-6}, {"spacing", 0.3}},
@@ -56,8 +55,8 @@ MaskFit fitted(const Image<float>& image, FitState state, const std::vector<std:
                       .smoothing = 0.7,
                       .reach = 5.0,
                       .max_steps = 15};
-    const FitState before = state;
-    run_stage(context, stage, state);
+    const Candidate before = state;
+    run_stage(context, {.stage = stage, .first_reach_mm = reach}, state);
     if (state.status != FitStatus::ok) return {before.surface, false};
   }
   return {state.surface};
@@ -96,7 +95,7 @@ Surface surface_from_mask(const Image<std::uint8_t>& mask, const ModelChoice& ch
   std::vector<std::pair<int, double>> stages;
   for (int d = std::min(1, detail); d <= detail; ++d) stages.emplace_back(d, d <= 1 ? 0.6 * radius : 0.2 * radius);
   const Surface ellipsoid{model, on_ellipsoid(model, moments.centroid, moments.shape)};
-  MaskFit fit = fitted(part.image, state_of(ellipsoid, 0), stages);
+  MaskFit fit = fitted(part.image, candidate_of(ellipsoid, 0), stages);
   if (fit.complete) return fit.surface;
   // Long and bent: the ellipsoid lies across it.
   return from_voxels(part, voxels, choice).value_or(std::move(fit.surface));

@@ -9,7 +9,7 @@ namespace pellicle {
 struct ScalarInputs {
   const Stage& stage;
   const FitSettings& settings;
-  const FitState& state;
+  const Candidate& state;
   const StageGeometry& geometry;
   const Image<float>& image;  ///< working image
   double h, area, volume;     ///< of the working grid; of the surface's facets at the start of the step

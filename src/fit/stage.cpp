@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
@@ -79,7 +78,7 @@ struct StepGeometry {
   double total_area = 0.0, volume = 0.0, radius = 0.0;
 };
 
-StepGeometry geometry_at(const FitState& state, const StageGeometry& geometry) {
+StepGeometry geometry_at(const Candidate& state, const StageGeometry& geometry) {
   StepGeometry g;
   evaluate(state.surface.model, state.surface.parameters, geometry.layout, false, g.samples);
   g.area = sample_areas(geometry.layout, g.samples.x);
@@ -91,10 +90,14 @@ StepGeometry geometry_at(const FitState& state, const StageGeometry& geometry) {
 
 class StageRun {
  public:
-  StageRun(const StageContext& context, const Stage& stage, FitState& state)
-      : context_(context), stage_(stage), state_(state), h_in_(context.image.grid.mean_spacing()) {}
+  StageRun(const StageContext& context, const StageRequest& request, Candidate& candidate)
+      : context_(context),
+        request_(request),
+        stage_(request.stage),
+        state_(candidate),
+        h_in_(context.image.grid.mean_spacing()) {}
 
-  StageSummary run();
+  StageOutcome run();
 
  private:
   void prepare();
@@ -112,13 +115,15 @@ class StageRun {
     state_.reason = reason;
     return false;
   }
-  void keep_on_leash(const StepGeometry& g, NormalTargets& targets) const;
+  void keep_within_limit(const StepGeometry& g, NormalTargets& targets) const;
   void narrow_reach(const NormalTargets& targets);
   void hold_out_samples(const StepGeometry& g, NormalTargets& targets);
 
   const StageContext& context_;
+  const StageRequest& request_;
   const Stage& stage_;
-  FitState& state_;
+  Candidate& state_;
+  StageOutcome out_;
   double h_in_, h_ = 1.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0, edge_window_ = 2.5;
   double delay_ = 1.0;  ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
   int max_steps_ = 0;
@@ -150,12 +155,11 @@ void StageRun::prepare() {
     return context_.settings.smoothing_mm.value_or(stage_.smoothing * h);
   }(WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h());
   h_ = WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h();
-  reach_ =
-      state_.reach_mm > 0.0 ? std::max(state_.reach_mm, stage_.reach * h_) : std::max(stage_.reach * h_, 0.15 * radius);
+  reach_ = request_.first_reach_mm > 0.0 ? std::max(request_.first_reach_mm, stage_.reach * h_)
+                                         : std::max(stage_.reach * h_, 0.15 * radius);
   if (weight_of(stage_, "crossing") > 0.0) reach_ = std::max(reach_, 12.0);
-  state_.reach_mm = 0.0;
   image_.emplace(context_.image, state_.reading, resolution, smoothing, reach_ + 8.0 * h_);
-  const Density density = state_.all_samples                ? Density::all
+  const Density density = request_.all_samples              ? Density::all
                           : weight_of(stage_, "edge") > 0.0 ? Density::fine
                                                             : Density::coarse;
   geometry_ = &context_.geometry.get(state_.surface.model, sampling_level(state_.surface.model, area, h_, density));
@@ -224,10 +228,10 @@ void StageRun::reestimate_levels(const StepGeometry& g) {
   update_levels(profiles, here, geometry_->graph, h_, false, first_contrast_, state_.levels);
 }
 
-void StageRun::keep_on_leash(const StepGeometry& g, NormalTargets& targets) const {
+void StageRun::keep_within_limit(const StepGeometry& g, NormalTargets& targets) const {
   parallel_for(targets.weight.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (state_.leash->outline.query(g.samples.x[i], state_.leash->length).triangle < 0) targets.weight[i] = 0.0;
+      if (state_.limit->outline.query(g.samples.x[i], state_.limit->length).triangle < 0) targets.weight[i] = 0.0;
     }
   });
 }
@@ -245,7 +249,7 @@ NamedRows StageRun::edge_rows(const StepGeometry& g, int step) {
     state_.blur_mm = m.blur > 0.0 ? m.blur : 1.1 * h_;
   }
   downweight_outliers(h_, m.targets);
-  if (state_.leash) keep_on_leash(g, m.targets);
+  if (state_.limit) keep_within_limit(g, m.targets);
   add_curvature_correction(curvature_, state_.blur_mm, h_, m.targets);
   hold_out_samples(g, m.targets);
   if (m.median_contrast > 0.0 && !state_.reading.similarity) {
@@ -269,19 +273,19 @@ void StageRun::hold_out_samples(const StepGeometry& g, NormalTargets& targets) {
       pairs += 1.0;
     }
   }
-  state_.residual_correlation = own > 0.0 ? products / pairs / (own / count) : 1.0;
+  out_.residual_correlation = own > 0.0 ? products / pairs / (own / count) : 1.0;
   double squares[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < g.area.size(); ++i) {
-    const bool out = state_.hold_out && RandomEngine(i).next() % 4 == 0;
+    const bool out = request_.hold_out && RandomEngine(i).next() % 4 == 0;
     const double w = g.area[i] * targets.weight[i];
     squares[out ? 1 : 0] += w * targets.offset[i] * targets.offset[i];
     weights[out ? 1 : 0] += w;
     if (out) targets.weight[i] = 0.0;
   }
   rms_ = weights[0] > 0.0 ? std::sqrt(squares[0] / weights[0]) : -1.0;
-  if (!state_.hold_out) return;
+  if (!request_.hold_out) return;
   edge_held_out_ = weights[1] > 0.0 ? std::sqrt(squares[1] / weights[1]) : -1.0;
-  state_.held_out_rms = edge_held_out_;
+  out_.held_out_rms = edge_held_out_;
 }
 
 NamedRows StageRun::crossing_rows(const StepGeometry& g) {
@@ -307,7 +311,7 @@ NamedRows StageRun::crossing_rows(const StepGeometry& g) {
 
 // A wide search first, ever narrower ones later: half widths 0.6 to 0.35 of the radius.
 NamedRows StageRun::body_rows(const StepGeometry& g, int step) {
-  const Crowd& crowd = state_.crowd;
+  const OneOfMany& crowd = state_.one_of_many;
   const double done = max_steps_ > 1 ? static_cast<double>(step) / (max_steps_ - 1) : 1.0;
   std::vector<double> cap;
   BodySearch search{.sign = state_.reading.sign,
@@ -350,12 +354,12 @@ std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
   if (weight_of(stage_, "springs") > 0.0 && !context_.settings.points.points.empty()) {
     const double weight = weight_of(stage_, "springs");
     ExpertRows springs =
-        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight, h_, state_.hold_out);
+        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight, h_, request_.hold_out);
     points_ = springs.distances;
-    state_.held_out_points = springs.held_out;
+    out_.held_out_points = springs.held_out;
     if (springs.held_out >= 0.0) {
       const double edges = edge_held_out_ >= 0.0 ? weight_of(stage_, "edge") * edge_held_out_ * edge_held_out_ : 0.0;
-      state_.held_out_rms = std::sqrt(edges + weight * springs.held_out);
+      out_.held_out_rms = std::sqrt(edges + weight * springs.held_out);
     }
     rows.push_back(std::move(springs.rows));
   }
@@ -400,16 +404,15 @@ double mean_normal_move(const StepGeometry& from, const StepGeometry& to) {
   return move;
 }
 
-StageSummary StageRun::run() {
+StageOutcome StageRun::run() {
   const auto begin = std::chrono::steady_clock::now();
   prepare();
-  StageSummary summary;
+  StageSummary& summary = out_.summary;
   summary.name = stage_.name;
   summary.detail = state_.detail;
   summary.control_points = control_point_count(state_.surface.model);
   summary.degrees_of_freedom = degrees_of_freedom(state_.surface.model);
   summary.samples = geometry_->layout.sample_count();
-  summary.reason = "step limit";
   StepGeometry g = geometry_at(state_, *geometry_);
   add_operators(g);
   const int max_steps = max_steps_ =
@@ -421,7 +424,7 @@ StageSummary StageRun::run() {
   int resting = 0;
   keep_frame(0, false);
   for (int step = 0; step < max_steps; ++step) {
-    check_interrupt();
+    context_.observer.check_stopped();
     image_->cover(g.samples.x);
     problem.rows = rows_at(g, step);
     problem.scalars =
@@ -440,7 +443,8 @@ StageSummary StageRun::run() {
     g = next;
     if (!outcome.usable || !healthy(g)) {
       if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no way on: " + outcome.message);
-      summary.reason = to_string(state_.status);
+      summary.termination = Termination::failed;
+      summary.failure = state_.status;
       break;
     }
     const bool arrived = weight_of(stage_, "region") == 0.0 || stage_.solver == Solver::gradient || reach_ <= 6.0 * h_;
@@ -450,22 +454,22 @@ StageSummary StageRun::run() {
     const bool at_rest = resting >= (stage_.solver == Solver::dynamic ? 2 : 1) && arrived && settled;
     keep_frame(step + 1, at_rest || step + 1 == max_steps);
     if (at_rest) {
-      summary.reason = "converged";
+      summary.termination = Termination::converged;
       break;
     }
   }
   summary.energy_after =
       summary.history.empty() ? energies_of_surface(problem, g.samples.x) : summary.history.back().energies;
   summary.rms_residual_mm = rms_;
-  state_.error = std::max(rms_, points_.count > 0 ? points_.rms_mm : -1.0);
+  out_.error = std::max(rms_, points_.count > 0 ? points_.rms_mm : -1.0);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return summary;
+  return std::move(out_);
 }
 
 }  // namespace
 
-StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state) {
-  return StageRun(context, stage, state).run();
+StageOutcome run_stage(const StageContext& context, const StageRequest& request, Candidate& candidate) {
+  return StageRun(context, request, candidate).run();
 }
 
 }  // namespace pellicle

@@ -8,11 +8,10 @@
 #include <mutex>
 #include <vector>
 
+#include "pellicle/base/observer.h"
 #include "pellicle/energies/geometry.h"
-#include "pellicle/fit/fit.h"
+#include "pellicle/fit/candidate.h"
 #include "pellicle/fit/objective.h"
-#include "pellicle/fit/reading.h"
-#include "pellicle/mesh/distance.h"
 
 namespace pellicle {
 
@@ -43,40 +42,21 @@ class GeometryCache {
   std::map<Key, StageGeometry> cache_;
 };
 
-/// Where the image may draw a surface that expert points outline: further off than this it has no say.
-struct Leash {
-  Leash(const TriangleMesh& mesh, double length_mm) : outline(mesh), length(length_mm) {}
-  ClosestPoint outline;
-  double length;  ///< mm
+/// What a stage is asked for beside what the candidate says.
+struct StageRequest {
+  Stage stage;
+  double first_reach_mm = 0.0;  ///< reach of the first search; 0: the stage's own
+  bool hold_out = false;        ///< leave every fourth sample (of edges) and expert point out, and measure there
+  bool all_samples = false;     ///< the last stage: about one sample per voxel along the surface
 };
 
-/// What is known of an object among others of its kind. Nothing by default.
-struct Crowd {
-  const Image<float>* territory = nullptr;       ///< above 1/2 where the object may be; profiles end there
-  double radius = 0.0;                           ///< mm, of a typical object; 0: unknown
-  const std::vector<double>* typical = nullptr;  ///< mm from the centroid, of a typical object, one a sample
-};
-
-/// What one stage hands to the next.
-struct FitState {
-  Surface surface;
-  int detail = 0;  ///< refinements so far
-  Reading reading = {};
-  Levels levels = {};     ///< as re-estimated so far
-  double reach_mm = 0.0;  ///< reach of the next search; 0: the stage's own
-  double blur_mm = 0.0;   ///< of the image along the surface, once measured
-  FitStatus status = FitStatus::ok;
-  std::string reason = {};
-  double start_volume = 0.0;          ///< mm^3, of the seed
-  bool all_samples = false;           ///< the last stage: as many samples as there are voxels along the surface
-  bool hold_out = false;              ///< leave every fourth sample (of edges) and expert point out, and measure there
+/// What came of it. The candidate that it was asked for has moved, and its status is not ok when it failed.
+struct StageOutcome {
+  StageSummary summary;
   double residual_correlation = 1.0;  ///< of the edge offsets of neighbouring samples: near 0 when only noise is left
-  double held_out_rms = -1.0;  ///< mm, of what was left out, after the last stage that did so: root of the weighted sum
+  double held_out_rms = -1.0;     ///< mm, root of the weighted mean square of all that was left out; -1: not measured
   double held_out_points = -1.0;  ///< mm^2, of the expert points alone (expert_points.h)
-  double error = -1.0;  ///< mm, after the last stage: rms of the edge offsets or, if larger, of the expert points
-  std::shared_ptr<const Leash> leash = {};
-  Crowd crowd = {};  ///< must outlive the fit
-  std::vector<TraceFrame> trace = {};
+  double error = -1.0;            ///< mm, rms of the edge offsets or, if larger, of the expert points
 };
 
 /// Values that hold for all stages of a fit.
@@ -84,13 +64,15 @@ struct StageContext {
   const Image<float>& image;
   const FitSettings& settings;
   GeometryCache& geometry;
+  const Observer& observer;
 };
 
-/// Runs `stage` on `state`; sets state.status when the surface ran away, collapsed, folded or left the image.
-StageSummary run_stage(const StageContext& context, const Stage& stage, FitState& state);
+/// Moves the candidate by one stage; sets its status when the surface ran away, collapsed, folded or left the image.
+/// \throws Interrupted when the observer says so.
+StageOutcome run_stage(const StageContext& context, const StageRequest& request, Candidate& candidate);
 
-/// How densely a surface is sampled: enough for where the control points go; for what the edges say; every voxel's
-/// word.
+/// How densely a surface is sampled: coarse is enough to place control points, fine to measure edges, all is about one
+/// sample per voxel along the surface.
 enum class Density { coarse, fine, all };
 /// Level at which a surface has about one sample per 3.5 h^2 (`all`: 1.2 h^2); at least 500, at most 16 a control point
 /// (`fine`: 4000, `all`: 9000).

@@ -69,7 +69,7 @@ TEST(ExpertPoints, AloneTheyDrawEveryModelToThem) {
     choice.kind = kind;
     const std::optional<Surface> start = ellipsoid_of(points, choice, 1.0);
     ASSERT_TRUE(start.has_value());
-    const Surface drawn = drawn_to_points(phantom.image, *start, points, 2);
+    const Surface drawn = drawn_to_points(phantom.image, *start, points, 2, {});
     EXPECT_LT(distances_to(points, drawn, 1.0).rms_mm, 0.3) << model_name(drawn.model);
     EXPECT_LT(distances_to(points, drawn, 1.0).rms_mm, 0.5 * distances_to(points, *start, 1.0).rms_mm);
     EXPECT_GE(dice(drawn, phantom.truth), 0.95) << model_name(drawn.model);

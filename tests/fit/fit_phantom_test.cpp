@@ -212,7 +212,7 @@ TEST(Fit, summary_names_stages_and_energies) {
   ASSERT_FALSE(summary.stages.empty());
   for (const StageSummary& stage : summary.stages) {
     EXPECT_FALSE(stage.name.empty());
-    EXPECT_FALSE(stage.reason.empty());
+    EXPECT_FALSE(stage.reason().empty());
     EXPECT_GT(stage.samples, stage.control_points);
     EXPECT_EQ(stage.degrees_of_freedom, 5 * stage.control_points);
     EXPECT_THAT(stage.energy_after, testing::Contains(testing::Key("bending")));

@@ -208,13 +208,15 @@ TEST(FitSettings, detail_limits_the_control_points) {
 TEST(FitSettings, progress_runs_up_and_says_what_is_done) {
   double last = -1.0;
   int calls = 0;
-  fit_surface(ball().image, {Seed(SeedSphere{Vec3(0, 0, 0), 6.0})}, {}, [&](double share, const std::string& what) {
-    EXPECT_GE(share, last);
-    EXPECT_LE(share, 1.0);
+  Observer observer;
+  observer.progress = [&](double fraction, const std::string& what) {
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1.0);
     EXPECT_FALSE(what.empty());
-    last = share;
+    last = fraction;
     ++calls;
-  });
+  };
+  fit_surface(ball().image, {Seed(SeedSphere{Vec3(0, 0, 0), 6.0})}, {}, observer);
   EXPECT_GT(calls, 0);
 }
 

@@ -1,0 +1,54 @@
+#pragma once
+/// A fit that one can hold: one object in one image, from hypotheses to a judged surface, step by step.
+
+#include <string>
+#include <vector>
+
+#include "pellicle/base/observer.h"
+#include "pellicle/fit/fit.h"
+#include "pellicle/fit/judgement.h"
+#include "pellicle/fit/stage.h"
+
+namespace pellicle {
+
+/// Values go in and out: a candidate moves, a request asks, an outcome and a judgement answer. Between the calls the
+/// session keeps what depends on the image and the control meshes alone, so that a stage that is run again is cheap.
+class SurfaceFit {
+ public:
+  /// \param image whole volume, LPS mm; must outlive the fit.
+  /// \throws UsageError for settings that break a rule.
+  SurfaceFit(const Image<float>& image, FitSettings settings, Observer observer = {});
+
+  /// The hypotheses about what a seed means, none of them advanced yet. \param name_prefix of their names.
+  /// \throws UsageError for a seed that is an open surface; BadData for an image without contrast; Interrupted.
+  std::vector<Candidate> propose(const Seed& seed, const std::string& name_prefix = {});
+  /// The second line: ranges of intensities similar to the seed's. Empty where the settings or the seed leave no room
+  /// for them.
+  std::vector<Candidate> propose_similar(const Seed& seed, const std::string& name_prefix = {});
+
+  /// Moves the candidate by one stage. \throws Interrupted.
+  StageOutcome advance(Candidate& candidate, const StageRequest& request);
+
+  Judgement judge(const Candidate& candidate);
+
+  /// Advances an attempt to where candidates are compared, and judges it.
+  void try_out(Attempt& attempt);
+  /// The remaining stages of the chosen attempt: detail, smoothness, image or points alone (refinement.h); judges it
+  /// again.
+  void refine(Attempt& attempt);
+
+  /// From now on the surface is drawn to these points too. \throws UsageError for weights that break a rule.
+  void set_points(ExpertPoints points);
+
+  const FitSettings& settings() const { return settings_; }
+
+ private:
+  StageContext context() { return {image_, settings_, geometry_, observer_}; }
+
+  const Image<float>& image_;
+  FitSettings settings_;
+  Observer observer_;
+  GeometryCache geometry_;
+};
+
+}  // namespace pellicle
