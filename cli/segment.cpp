@@ -96,8 +96,7 @@ void print_dry_run(const SegmentCommand& command) {
   std::cout << toml_of(settings, entries_of(segment_host_table(), command.host));
   if (!settings.fit.stages.empty()) return;
   std::cout << "\n# These stages follow from the settings above; to change them, remove the '# ' in front.\n";
-  std::istringstream lines(
-      toml_of_stages(settings.wants_many() ? stages_of_many(settings.fit) : stages_of(settings.fit)));
+  std::istringstream lines(toml_of_stages(plan_of(settings).first.stages));
   for (std::string line; std::getline(lines, line);) std::cout << fmt::format("# {}", line) << "\n";
 }
 

@@ -9,8 +9,8 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
+#include "pellicle/synthetic/internal/requirement.h"
 #include "pellicle/synthetic/render.h"
-#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
@@ -108,7 +108,7 @@ void paint(const Body& body, double contrast, std::uint16_t label, double blur_m
   Index3 first{0, 0, 0};
   const double reach = bounds.maxCoeff() + 4.0 * blur_mm + grid.spacing.maxCoeff();
   const ImageGrid window = window_of(grid, body.center, reach, first);
-  // It only tells which voxels the surface passes: far coarser than a truth mesh.
+  // It only says which voxels the surface passes: far coarser than a truth mesh.
   const TriangleMesh surface = mesh_of(body, bounds.minCoeff() / 6.0);
   const Image<float> fraction = fraction_of(body, surface, window, 0.0, blur_mm);
   std::size_t v = 0;
@@ -160,8 +160,9 @@ Cluster make_cluster(const ClusterSettings& settings) {
   for (const double r : radii) {
     centers.push_back(draw_center(settings, grid, r, centers, radii, random));
     cluster.bodies.push_back(draw_body(settings, r, centers.back(), random));
-    const double share = random.uniform();
-    cluster.contrast.push_back(settings.contrast_max * std::pow(settings.contrast_min / settings.contrast_max, share));
+    const double exponent = random.uniform();
+    cluster.contrast.push_back(settings.contrast_max *
+                               std::pow(settings.contrast_min / settings.contrast_max, exponent));
   }
   for (const Body& body : cluster.bodies) cluster.seeds.push_back(draw_seed(body, random_of_seeds));
   std::size_t voxels = 1;

@@ -10,8 +10,8 @@
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
 #include "pellicle/synthetic/inner_ball.h"
+#include "pellicle/synthetic/internal/requirement.h"
 #include "pellicle/synthetic/render.h"
-#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
@@ -92,7 +92,7 @@ Phantom make_phantom(const PhantomSettings& settings) {
   Phantom phantom;
   phantom.settings = settings;
   phantom.body.shape = make_shape(settings.shape, settings.radius, settings.blob_amplitude, settings.seed);
-  // A fixed pose that no grid axis and no symmetry of the control meshes shares.
+  // A fixed pose unlike every grid axis and every symmetry of the control meshes.
   phantom.body.world_from_shape = rotation_of({25.0, -35.0, 55.0});
   phantom.body.center = settings.center;
   const double volume = exact_volume(phantom.body.shape);

@@ -1,6 +1,6 @@
 #pragma once
-/// Synthetic volumes with exact truth. Depends on base, image and mesh only: an oracle that shares no code with the
-/// surface models it judges. World is LPS mm; the centre of the volume lies at the world's origin.
+/// Synthetic volumes with exact truth. Depends on base, image and mesh only: an oracle without any code of the
+/// surface models that it judges. World is LPS mm; the centre of the volume lies at the world's origin.
 
 #include <cstdint>
 #include <string>
@@ -9,12 +9,12 @@
 #include "pellicle/base/random.h"
 #include "pellicle/image/image.h"
 #include "pellicle/mesh/triangle_mesh.h"
+#include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/shapes.h"
 
 namespace pellicle {
 
 enum class PhantomFill { solid, shell };
-enum class PhantomNoise { none, gaussian, rician, poisson };
 
 struct PhantomSettings {
   std::string shape = "sphere";      ///< see shape_names()
@@ -69,7 +69,8 @@ ImageGrid phantom_grid(const PhantomSettings& settings);
 
 /// Each voxel is the mean, over its own box, of the object convolved with the Gaussian, times the bias field, plus
 /// noise. The blur is that of the continuous object: thin slices and wide ones see the same object. Same bytes for
-/// any number of threads. \throws UsageError: see validate(), and when no voxel centre lies inside the object.
+/// any number of threads.
+/// \throws UsageError: see validate(), and when no voxel centre lies inside the object.
 Phantom make_phantom(const PhantomSettings& settings);
 
 /// Start spheres: centres uniform in the ball of 0.4 inner radii about the natural centre (and inside the object and

@@ -10,8 +10,8 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/mesh/points/rim.h"
 #include "pellicle/output/fit_points.h"
 #include "sections.h"
 

@@ -18,7 +18,8 @@ struct Judgement {
   std::optional<PointDistances> points = {};  ///< of the expert points, when there are any
 };
 
-Judgement judge(const StageContext& context, const Candidate& candidate);
+/// \param boundary what the user says of it: a near side of a membrane is a bad step unless a step is asked for.
+Judgement judge(const StageContext& context, const Candidate& candidate, Boundary boundary);
 
 /// A candidate from its start to where it is now.
 struct Attempt {

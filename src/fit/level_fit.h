@@ -7,7 +7,7 @@
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/point_fit.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
-#include "pellicle/mesh/rim.h"
-#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/mesh/points/rim.h"
+#include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -28,7 +28,7 @@ GeometryData data_of(TriangleMesh surface, int samples);
 double diameter_of(const std::vector<Vec3>& points);
 
 /// A first guess which place of the data belongs to which place of the reference shape. Known for spheres
-/// (mesh/sphere_map.h); a model that starts near the data needs none.
+/// (mesh/sphere/sphere_map.h); a model that starts near the data needs none.
 struct Correspondence {
   SphereMap map;
   Mat3 map_from_reference = Mat3::Identity();  ///< a rotation: where the reference shape's axes lie on the map

@@ -12,7 +12,7 @@ constexpr double kGain = 0.99;       // of the held-out rms: less than one per c
 constexpr double kPointsGain = 0.9;  // of the held-out points, to go without the image
 constexpr double kNoise = 0.05;      // correlation of neighbouring residuals
 constexpr double kSmoothnessStep = 3.0;
-constexpr int kSmoothnessRounds = 4, kSmoothnessSteps = 5;
+constexpr int kSmoothnessRounds = 4;
 
 bool uses(const Stage& stage, const char* name) {
   const auto at = stage.energies.find(name);
@@ -30,10 +30,10 @@ const char* kDroppedSamples = "dropped: samples left out are not foretold better
 }  // namespace
 
 std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
-  const std::vector<Stage>& stages = attempt.now.stages;
-  const std::optional<double>& target = fit.settings().error_target_mm;
+  const std::vector<Stage>& stages = attempt.now.line.stages;
+  const std::optional<double>& target = fit.options().error_target_mm;
   std::optional<Refined> best;
-  for (std::size_t s = attempt.now.compare_after; s < stages.size() && attempt.now.status == FitStatus::ok; ++s) {
+  for (std::size_t s = attempt.now.line.compare_after; s < stages.size() && attempt.now.status == FitStatus::ok; ++s) {
     if (best && best->outcome.residual_correlation < kNoise && !target) {
       attempt.stages.back().note = "what is left is noise";
       break;
@@ -60,11 +60,12 @@ std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
 
 void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
   if (!best.stage.energies.contains("bending")) return;
+  const int steps = fit.plan(StartKind::ball).smoothness_steps;
   for (const double factor : {kSmoothnessStep, 1.0 / kSmoothnessStep}) {
     bool improved = false;
     for (int round = 0; round < kSmoothnessRounds; ++round) {
       Stage stage = best.stage;
-      stage.max_steps = kSmoothnessSteps;
+      stage.max_steps = steps;
       stage.energies["bending"] *= factor;
       stage.name = fmt::format("smoothness {:.0e}", stage.energies["bending"]);
       Candidate candidate = best.candidate;

@@ -18,7 +18,7 @@ double weight(const Stage& stage, const char* name) {
 
 ScalarEnergy flux_energy(const ScalarInputs& in) {
   auto images = std::make_shared<std::array<Image<float>, 3>>(gradient_images(in.image));
-  const double smoothing = in.settings.smoothing_mm.value_or(in.stage.smoothing * in.h);
+  const double smoothing = in.stage.smoothing_mm.value_or(in.stage.smoothing * in.h);
   const double contrast = std::abs(in.state.levels.contrast());
   const double scale = weight(in.stage, "flux") * in.state.reading.sign * in.h * in.h *
                        std::max(smoothing, 0.5 * in.h) / (contrast * in.area);
@@ -46,13 +46,12 @@ std::vector<ScalarEnergy> scalar_energies(const ScalarInputs& in) {
   const SampleLayout* layout = &in.geometry.layout;
   if (weight(in.stage, "flux") != 0.0) energies.push_back(flux_energy(in));
   if (weight(in.stage, "region") != 0.0 && in.stage.solver == Solver::gradient) energies.push_back(region_energy(in));
-  if (in.settings.target_volume_ml) {
-    const double target = 1000.0 * *in.settings.target_volume_ml;
+  if (in.stage.target_volume) {
+    const double target = *in.stage.target_volume;
     SurfaceSamples samples;
     evaluate(in.state.surface.model, in.state.surface.parameters, *layout, false, samples);
     const double correction = volume_with_normals(mesh_of(*layout, samples)) / in.volume;
-    const auto at = in.stage.energies.find("volume");
-    const double w = at == in.stage.energies.end() ? in.settings.volume_weight : at->second;
+    const double w = weight(in.stage, "volume");
     energies.push_back({"volume", [=](const auto& x, const auto& area, auto& dx, auto&) {
                           return volume_prior(facet_volume(*layout, x), correction, target, w, area, dx);
                         }});

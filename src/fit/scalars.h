@@ -8,7 +8,6 @@ namespace pellicle {
 
 struct ScalarInputs {
   const Stage& stage;
-  const FitSettings& settings;
   const Candidate& state;
   const StageGeometry& geometry;
   const Image<float>& image;  ///< working image

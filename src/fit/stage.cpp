@@ -18,7 +18,7 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/scalars.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 
@@ -152,7 +152,7 @@ void StageRun::prepare() {
   // A stage that does not need every voxel works on voxels of a fifteenth of the object's radius.
   const double resolution = stage_.resolution > 0.0 ? stage_.resolution : std::max(1.0, radius / (15.0 * h_in_));
   const double smoothing = [&](double h) {
-    return context_.settings.smoothing_mm.value_or(stage_.smoothing * h);
+    return stage_.smoothing_mm.value_or(stage_.smoothing * h);
   }(WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h());
   h_ = WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h();
   reach_ = request_.first_reach_mm > 0.0 ? std::max(request_.first_reach_mm, stage_.reach * h_)
@@ -190,7 +190,7 @@ void StageRun::add_operators(const StepGeometry& g) {
 }
 
 void StageRun::keep_frame(int step, bool last) {
-  const int every = context_.settings.trace_every;
+  const int every = request_.trace_every;
   if (every <= 0 || (step % every != 0 && !last)) return;
   state_.trace.push_back({stage_.name, step, state_.surface});
 }
@@ -351,10 +351,9 @@ std::vector<NamedRows> StageRun::rows_at(const StepGeometry& g, int step) {
   if (weight_of(stage_, "edge") > 0.0) rows.push_back(edge_rows(g, step));
   if (weight_of(stage_, "body") > 0.0) rows.push_back(body_rows(g, step));
   if (weight_of(stage_, "crossing") > 0.0 && state_.reading.tissue) rows.push_back(crossing_rows(g));
-  if (weight_of(stage_, "springs") > 0.0 && !context_.settings.points.points.empty()) {
+  if (weight_of(stage_, "springs") > 0.0 && !context_.points.points.empty()) {
     const double weight = weight_of(stage_, "springs");
-    ExpertRows springs =
-        expert_rows(context_.settings.points, geometry_->layout, g.samples, weight, h_, request_.hold_out);
+    ExpertRows springs = expert_rows(context_.points, geometry_->layout, g.samples, weight, h_, request_.hold_out);
     points_ = springs.distances;
     out_.held_out_points = springs.held_out;
     if (springs.held_out >= 0.0) {
@@ -415,9 +414,8 @@ StageOutcome StageRun::run() {
   summary.samples = geometry_->layout.sample_count();
   StepGeometry g = geometry_at(state_, *geometry_);
   add_operators(g);
-  const int max_steps = max_steps_ =
-      context_.settings.max_iterations.value_or(static_cast<int>(std::ceil(delay_ * stage_.max_steps)));
-  const double tolerance = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
+  const int max_steps = max_steps_ = stage_.max_steps;
+  const double tolerance = stage_.tolerance * h_;
   double trust_radius = 1e3;
   StepProblem problem{&state_.surface.model, &geometry_->layout, &operators_, {}, {}, linear_ ? &*linear_ : nullptr};
   std::vector<Vec3> before = g.samples.x;  // a time step ago; every stage starts at rest
@@ -427,8 +425,7 @@ StageOutcome StageRun::run() {
     context_.observer.check_stopped();
     image_->cover(g.samples.x);
     problem.rows = rows_at(g, step);
-    problem.scalars =
-        scalar_energies({stage_, context_.settings, state_, *geometry_, image_->image(), h_, g.total_area, g.volume});
+    problem.scalars = scalar_energies({stage_, state_, *geometry_, image_->image(), h_, g.total_area, g.volume});
     if (step == 0) summary.energy_before = energies_of_surface(problem, g.samples.x);
     const bool gradient = stage_.solver == Solver::gradient || !problem.scalars.empty();
     if (stage_.solver == Solver::dynamic) aim_motion(stage_.motion, g.samples.x, before, operators_.back());

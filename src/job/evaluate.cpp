@@ -8,8 +8,8 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/job/voxels.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {

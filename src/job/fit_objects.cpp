@@ -48,9 +48,7 @@ void fit_objects(const Image<float>& image, const std::vector<ObjectSeed>& seeds
     const Observer own = observer.part(static_cast<double>(i) / count, (static_cast<double>(i) + 1.0) / count);
     PhaseClock clock;
     clock.start("fit");
-    FitSettings settings = options.fit;
-    if (!seed.points.points.empty()) settings.points = seed.points;
-    FitResult fit = fit_surface(image, seed.candidates, settings, own);
+    FitResult fit = fit_surface({image, seed.candidates, seed.points}, options.fit, own);
     clock.stop();
     ObjectResult object{.label = seed.label,
                         .name = seed.name,

@@ -12,7 +12,7 @@
 
 namespace pellicle {
 
-std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitSettings& fit) {
+std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& grid, const FitOptions& fit) {
   if (!ellipsoid_of(points, {}, grid.mean_spacing())) return std::nullopt;
   try {
     return surface_from_mask(mask_of_points(points.points), fit.model, std::min(2, fit.detail.value_or(2)));
@@ -26,7 +26,7 @@ std::optional<Seed> seed_of_points(const ExpertPoints& points, const ImageGrid& 
 }
 
 std::vector<ObjectSeed> seeds_of_labels(const Image<std::int32_t>& map, std::optional<int> wanted,
-                                        const FitSettings& fit, const std::string& name) {
+                                        const FitOptions& fit, const std::string& name) {
   std::set<int> labels;
   for (const std::int32_t label : map.voxels) {
     if (label != 0) labels.insert(label);
@@ -52,7 +52,7 @@ std::vector<ObjectSeed> seeds_of_labels(const Image<std::int32_t>& map, std::opt
   return objects;
 }
 
-ObjectSeed find_object(const Image<float>& image, const FitSettings& fit) {
+ObjectSeed find_object(const Image<float>& image, const FitOptions& fit) {
   ObjectSeed object;
   if (fit.start_rule == StartRule::head) {
     object.candidates = {find_head(image)};

@@ -9,7 +9,7 @@
 namespace pellicle {
 
 struct SegmentOptions {
-  FitSettings fit = {};                    ///< how each object is fitted, and with which model
+  FitOptions fit = {};                     ///< how each object is fitted, and with which model
   bool many = false;                       ///< many objects of one kind, found or seeded (fit/many.h)
   std::optional<RadiusRange> radius = {};  ///< of many objects, mm; default: estimated
   SeedRules seed_rules = {};               ///< of many objects that are looked for

@@ -5,7 +5,7 @@
 
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/rim.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/seed_surface.h"
 

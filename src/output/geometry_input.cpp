@@ -14,8 +14,8 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/mesh/points/rim.h"
 #include "pellicle/output/seed_files.h"
 #include "pellicle/raster/closed_solid.h"
 #include "pellicle/raster/cup.h"
@@ -139,7 +139,7 @@ void lay_shell(const std::string& name, GeometryInput& input) {
     throw BadData(fmt::format("cannot fit ({}): {}", name, fault.what()));
   }
   std::vector<Vec3> normals = plane_normals(tree);
-  turn_out_of(input.body, tree.points(), normals);
+  orient_outward(input.body, tree.points(), normals);
   input.data.normals.resize(input.data.points.size());
   parallel_for(input.data.points.size(), 1000, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

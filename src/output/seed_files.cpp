@@ -189,11 +189,12 @@ ObjectSeed seed_found(const SegmentSettings& settings, const Image<float>& image
 
 std::vector<ObjectSeed> read_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image) {
   std::vector<ObjectSeed> objects;
+  const ExpertPoints points = settings.points ? read_expert_points(settings, grid) : ExpertPoints{};
   // Points all around the object say more than balls do. A few only say where it ends.
   const bool named =
       settings.seed_mask || settings.seed_model || settings.all_seed_spheres().size() > 1 || settings.seeds_file;
   const bool outlined = settings.points && !named && settings.fit.start_rule == StartRule::automatic;
-  const auto from_points = outlined ? seed_of_points(settings.fit.points, image.grid, settings.fit) : std::nullopt;
+  const auto from_points = outlined ? seed_of_points(points, image.grid, settings.fit) : std::nullopt;
   if (from_points) {
     objects = {{.candidates = {*from_points}}};
   } else if (!settings.all_seed_spheres().empty() || settings.seeds_file) {
@@ -211,7 +212,7 @@ std::vector<ObjectSeed> read_seeds(const SegmentSettings& settings, const ImageG
     throw SettingError("expert points of which object", "points", settings.points->string(),
                        fmt::format("there are {} objects; fit the one that they belong to alone", objects.size()));
   }
-  if (settings.points) objects.front().points = settings.fit.points;
+  if (settings.points) objects.front().points = points;
   return numbered(std::move(objects));
 }
 

@@ -111,7 +111,6 @@ SeedPreview preview_seeds(const SegmentSettings& settings, const Observer& obser
   }
   SegmentSettings resolved = settings;
   resolved.fit.model.kind = settings.model_kind();
-  if (settings.points) resolved.fit.points = read_expert_points(settings, volume.header.grid);
   const Image<float> image = in_lps_order(volume.image);
   const Starts starts = starts_of(resolved, volume, image);
   SeedPreview preview{.picture = settings.output / (stem_of(settings) + "_seeds.png"), .lines = {}};

@@ -48,7 +48,7 @@ Volume read_input(const SegmentSettings& settings, const Observer& observer, Seg
 
 /// The files that a run over these objects writes, none of which may be in the way.
 template <class Objects>
-std::vector<PlannedFile> plan_for(const SegmentSettings& settings, const Objects& objects) {
+std::vector<PlannedFile> files_for(const SegmentSettings& settings, const Objects& objects) {
   std::vector<int> labels;
   labels.reserve(objects.size());
   for (const auto& object : objects) labels.push_back(object.label);
@@ -63,10 +63,9 @@ std::vector<PlannedFile> segment_volume(Volume volume, const Observer& observer,
   const SegmentSettings& settings = result.settings;
   clock.start("seed");
   begin_phase(observer, kSeeded, "seeding");
-  if (settings.points) result.settings.fit.points = read_expert_points(settings, result.header.grid);
   std::vector<ObjectSeed> seeds = series != nullptr ? series->carried_seeds() : std::vector<ObjectSeed>{};
   if (seeds.empty()) seeds = read_seeds(settings, result.header.grid, volume.image);
-  plan_for(settings, seeds);
+  files_for(settings, seeds);
   clock.stop();
   const SegmentOptions options = options_of(settings, result.header.grid);
   const Observer own = observer.part(kSegmentFrom, kSegmentTo);
@@ -75,7 +74,7 @@ std::vector<PlannedFile> segment_volume(Volume volume, const Observer& observer,
   const auto& warnings = result.segmentation.warnings;
   result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
   clock.add(result.segmentation.seconds);
-  return plan_for(settings, result.segmentation.objects);
+  return files_for(settings, result.segmentation.objects);
 }
 
 SegmentResult run(const SegmentSettings& settings, std::optional<int> frame, SegmentSeries* series,

@@ -5,13 +5,14 @@
 #include <optional>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/image/limb_growth.h"
+#include "pellicle/mask/limb_growth.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/raster/gauss_field.h"
-#include "pellicle/raster/mask_morphology.h"
-#include "pellicle/raster/mask_part.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/raster/internal/gauss_field.h"
+#include "pellicle/raster/internal/occupied_voxels.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -22,10 +23,10 @@ using Mask = Image<std::uint8_t>;
 
 /// Fills every gap that `steps` of growing close, and returns to size.
 Mask closed(Mask mask, int steps) {
-  grow_or_shrink(mask, steps, true);
+  grow(mask, steps);
   fill_cavities(mask);
-  grow_or_shrink(mask, steps, false);
-  keep_largest(mask);
+  shrink(mask, steps);
+  keep_largest_part(mask);
   fill_cavities(mask);
   return mask;
 }
@@ -72,7 +73,7 @@ std::vector<Candidate> watertight_solids(const std::vector<Vec3>& points, const 
   return solids;
 }
 
-// One point a voxel, of the finest voxels that leave so few.
+// One point per voxel, of the finest voxels that leave so few.
 std::vector<Vec3> evenly_thinned(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi, std::size_t most) {
   if (points.size() <= most) return points;
   for (double h = (hi - lo).maxCoeff() / 100.0;; h *= 1.1) {
@@ -130,7 +131,7 @@ void smooth(Image<float>& field) {
 // the field.
 Image<std::uint8_t> limbs_beyond(const TriangleMesh& surface, const PointTree& points, const ImageGrid& grid) {
   constexpr double kOff = 0.75, kFar = 2.0, kLink = 3.0;  // voxels
-  constexpr double kUsuallyOff = 3.0, kUsuallyFar = 6.0;  // medians of all distances: noise is no limb
+  constexpr double kUsuallyOff = 3.0, kUsuallyFar = 6.0;  // medians of all distances: noise is not a limb
   constexpr int kNeighbours = 8;
   constexpr std::size_t kLeast = 3;
   constexpr std::uint8_t kAll = 0xFF;  // octants
@@ -242,16 +243,16 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
   // Sheets and dust: grown without shrinking.
   for (const double n : {24.0, 16.0, 10.0, 6.0, 4.0}) {
     Mask mask = occupied_voxels(points, lo, hi, extent / n, 4);
-    grow_or_shrink(mask, 1, true);
+    grow(mask, 1);
     fill_cavities(mask);
-    keep_largest(mask);
+    keep_largest_part(mask);
     ClosedSolid solid{surface_of_mask(mask), 3.0 * extent / n, 0, mask};
     if (genus_of(solid.surface) == 0) return solid;
   }
   throw BadData("surface around points: no closed surface of genus 0 could be laid around them");
 }
 
-void turn_out_of(const Mask& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals) {
+void orient_outward(const Mask& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals) {
   const ImageGrid& grid = solid.grid;
   const auto inside = [&](const Vec3& x) {
     Index3 at{};

@@ -20,13 +20,15 @@ struct ClosedSolid {
 /// to the narrowest gap that this bridges, a solid that loses more than 0.3 of the volume of the one before lets water
 /// in and is left out. The narrowest of the rest, or the solid of Gauss's formula (gauss_field.h, from 2000 points at
 /// most) where that and the points are nearer to each other, is the solid as given; the narrowest of genus 0 is the
-/// surface. \param spacing typical distance between neighbours, mm: no grid is finer. \throws BadData when nothing
+/// surface.
+/// \param spacing typical distance between neighbours, mm: no grid is finer.
+/// \throws BadData when nothing
 /// encloses a volume (fewer than four points, all in one plane).
 ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing);
 
 /// Turns normals so that they leave the solid: what lies one to three voxels before and behind a point decides. Those
 /// of points that have the same on both sides (where sheets melt together) become zero.
-void turn_out_of(const Image<std::uint8_t>& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals);
+void orient_outward(const Image<std::uint8_t>& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals);
 
 /// The largest part of a mask, cavities filled, closed with growing cubes until it has genus 0.
 /// \throws BadData when the mask is empty.

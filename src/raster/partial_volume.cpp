@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "pellicle/base/parallel.h"
-#include "pellicle/raster/index_mesh.h"
+#include "pellicle/raster/internal/index_mesh.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {

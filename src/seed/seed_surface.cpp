@@ -1,7 +1,7 @@
 #include "pellicle/seed/seed_surface.h"
 
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/quad_subdivision.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
 
 namespace pellicle {
 namespace {

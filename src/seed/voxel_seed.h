@@ -1,11 +1,11 @@
 #pragma once
 /// Start meshes of any genus from voxels. Source: Stoddart, Hilton, Illingworth 1994, Section 5, with the repair of
-/// places that are no surface (docs/any-topology.md).
+/// places that are not a surface (docs/any-topology.md).
 
 #include <optional>
 
 #include "pellicle/image/image.h"
-#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 
 namespace pellicle {
 
@@ -19,18 +19,20 @@ VoxelBlock classify_block(unsigned pattern);
 
 /// Voxels of `spacing_mm` in the axes of the world that hold scattered points of a closed surface, and all that they
 /// enclose: marked, dilated (26 neighbours), eroded (6), holes filled, the largest part kept. About one voxel larger
-/// than the object. \throws BadData without points, UsageError unless the spacing is positive.
+/// than the object.
+/// \throws BadData without points, UsageError unless the spacing is positive.
 Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spacing_mm);
-/// Whether thin limbs of a mask end where its voxels do, or are followed by single voxels (image/limb_growth.h).
+/// Whether thin limbs of a mask end where its voxels do, or are followed by single voxels (mask/limb_growth.h).
 enum class Limbs { as_voxels_show, followed };
-/// Voxels of `spacing_mm` along the mask's axes of which `share` or more is inside: half keeps the size, less keeps
+/// Voxels of `spacing_mm` along the mask's axes of which `fraction` or more is inside: half keeps the size, less keeps
 /// thin limbs. With limbs followed the largest part alone is kept, of its topology; the mask should be one part.
 /// \throws BadData for an empty mask, UsageError unless the spacing is positive.
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share = 0.5,
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double fraction = 0.5,
                                    Limbs limbs = Limbs::as_voxels_show);
 
 /// A third of the smallest edge of the bounding box (world's axes; the mask's own axes): the coarsest grid that makes
-/// sense. \throws BadData when empty.
+/// sense.
+/// \throws BadData when empty.
 double coarsest_spacing(const std::vector<Vec3>& points);
 double coarsest_spacing(const Image<std::uint8_t>& mask);
 
@@ -39,8 +41,10 @@ double coarsest_spacing(const Image<std::uint8_t>& mask);
 /// only added; the bounding box stays. Returns how many were. The image is cropped and padded by one voxel.
 std::size_t make_manifold(Image<std::uint8_t>& voxels);
 
-/// The faces between inside and outside as a quad mesh in LPS mm. \pre make_manifold() has run. \throws BadData for an
-/// empty image or a boundary that is no manifold.
+/// The faces between inside and outside as a quad mesh in LPS mm.
+/// \pre make_manifold() has run.
+/// \throws BadData for an
+/// empty image or a boundary that is not a manifold.
 QuadMesh boundary_of_voxels(const Image<std::uint8_t>& voxels);
 
 struct VoxelSeed {
@@ -51,10 +55,12 @@ struct VoxelSeed {
 };
 /// All of it for a mask. Without a spacing, grids from the coarsest on, each finer by sqrt(2), down to the mask's
 /// voxels or a 24th of the smallest edge, are tried, and the coarsest of the longest run with one genus is taken:
-/// handles of the object stay over many grids, those of noise only show in the finest. \throws as above.
+/// handles of the object stay over many grids, those of noise only show in the finest.
+/// \throws as above.
 VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm = {},
-                             double share = 0.5);
-/// Of voxels that are not empty, as voxels_of_mask gives them. \throws BadData when they are.
+                             double fraction = 0.5);
+/// Of voxels that are not empty, as voxels_of_mask gives them.
+/// \throws BadData when they are.
 VoxelSeed voxel_seed_of_voxels(Image<std::uint8_t> voxels);
 /// For points of a surface, at the coarsest spacing unless one is given (handles need a finer one).
 VoxelSeed voxel_seed_of_points(const std::vector<Vec3>& points, std::optional<double> spacing_mm = {});

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/settings.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/settings/setting_table.h"
+#include "pellicle/surface/surface.h"
 
 namespace pellicle {
 

@@ -65,18 +65,11 @@ void validate_many(const SegmentSettings& s) {
   if (s.trace)
     throw SettingError("conflicting settings", "trace, objects", "a trace is of one object, not `objects` many");
   if (s.fit.start_rule == StartRule::head)
-    refuse_setting("start-rule", "head", "finds one brain; not for `objects` many");
+    refuse_setting("start-rule", "head", "finds one brain; it is not for `objects` many");
   if (s.fit.boundary == Boundary::ridge) {
     refuse_setting("boundary", "ridge",
                    "many objects are found by their inside; membranes are not available with `objects` many");
   }
-}
-
-// Files are read later: until then a point stands for those that will be there.
-void validate_fit(const SegmentSettings& s) {
-  FitSettings fit = s.fit;
-  if (s.points && fit.points.points.empty()) fit.points.points = {Vec3::Zero()};
-  fit.validate();
 }
 
 void validate_outputs(const SegmentSettings& s) {
@@ -125,7 +118,19 @@ void SegmentSettings::validate_values() const {
   validate_seeds(*this);
   validate_many(*this);
   validate_outputs(*this);
-  validate_fit(*this);
+  fit.validate(points.has_value());
+}
+
+FitPlan plan_of(const SegmentSettings& settings) {
+  StartKind start = StartKind::ball;
+  if (settings.wants_many()) {
+    start = StartKind::many;
+  } else if (settings.points && may_start_at_points(settings.fit)) {
+    start = StartKind::outlined;
+  } else if (settings.seed_mask || settings.seed_model) {
+    start = StartKind::surface;
+  }
+  return plan_for(settings.fit, start, settings.points.has_value());
 }
 
 std::string stem_of(const SegmentSettings& settings) {

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/settings.h"
+#include "pellicle/fit/options.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/seed/blob_scale_space.h"
 #include "pellicle/settings/setting_table.h"
@@ -41,7 +42,7 @@ struct SegmentSettings {
   PointsPull points_pull = PointsPull::normal;
   std::optional<std::filesystem::path> trace;  ///< folder for the meshes on the way
   int trace_every = 3;                         ///< steps
-  FitSettings fit;
+  FitOptions fit;
   std::optional<ModelKind> model;  ///< as named by the user; default: see model_kind()
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
@@ -50,7 +51,7 @@ struct SegmentSettings {
   int threads = 0;                                                ///< 0: all
   bool overwrite = false;
 
-  /// Whether the output folder gets this kind; false for all when there is no folder.
+  /// Whether this kind of output is written to the output folder; none is when there is no folder.
   bool writes(const std::string& kind) const;
   /// `seed_spheres`, then `seed_points`.
   std::vector<std::array<double, 4>> all_seed_spheres() const;
@@ -63,6 +64,9 @@ struct SegmentSettings {
   /// The same without the need for an input and an output.
   void validate_values() const;
 };
+
+/// The plan that runs, by the seeds that are given.
+FitPlan plan_of(const SegmentSettings& settings);
 
 /// The stem of the output files: `name`, or the input's file name without the extensions of volume files.
 std::string stem_of(const SegmentSettings& settings);

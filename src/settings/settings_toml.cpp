@@ -30,6 +30,8 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.resolution = number();
     } else if (name == "smoothing") {
       stage.smoothing = number();
+    } else if (name == "smoothing_mm") {
+      stage.smoothing_mm = number();
     } else if (name == "reach") {
       stage.reach = number();
     } else if (name == "tolerance") {
@@ -48,7 +50,7 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       }
     } else {
       throw UsageError(
-          fmt::format("unknown setting ({}): a stage has name, detail, energies, resolution, smoothing, "
+          fmt::format("unknown setting ({}): a stage has name, detail, energies, resolution, smoothing, smoothing_mm, "
                       "reach, max_steps, tolerance, solver, time_step, mass and damping",
                       where));
     }
@@ -105,6 +107,7 @@ std::string toml_of_stages(const std::vector<Stage>& stages) {
   for (const auto& stage : stages) {
     text += fmt::format("\n[[stage]]\nname = {}\ndetail = {}\nresolution = {}\nsmoothing = {}\nreach = {}\n",
                         quoted(stage.name), stage.detail, stage.resolution, stage.smoothing, stage.reach);
+    if (stage.smoothing_mm) text += fmt::format("smoothing_mm = {}\n", *stage.smoothing_mm);
     text += fmt::format("max_steps = {}\ntolerance = {}\nsolver = {}\n", stage.max_steps, stage.tolerance,
                         quoted(name_of(stage.solver)));
     const Motion& motion = stage.motion;

@@ -14,9 +14,9 @@
 namespace pellicle {
 namespace {
 
-/// sin(share * angle) / sin(angle), and its limit for a small angle.
-double arc_weight(double angle, double share) {
-  return angle < 1e-6 ? share : std::sin(share * angle) / std::sin(angle);
+/// sin(part * angle) / sin(angle), and its limit for a small angle.
+double arc_weight(double angle, double part) {
+  return angle < 1e-6 ? part : std::sin(part * angle) / std::sin(angle);
 }
 
 /// A unit vector orthogonal to the unit vector n, the same for n and -n.
@@ -117,7 +117,7 @@ bool enlarge(Surface& surface, const SplineSettings& least) {
 
 using Blocks = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// A shape less its mean, of size 1: a row a block. Only points move with a shape, vectors do not.
+/// A shape less its mean, of size 1: one row per block. Only points move with a shape, vectors do not.
 Blocks centred_blocks(const SurfaceModel& model, const Eigen::MatrixXd& gram, const Parameters& parameters, Vec3& mean,
                       double& size) {
   const std::vector<BlockKind> kinds = blocks_of(model);

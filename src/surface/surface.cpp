@@ -102,6 +102,27 @@ Parameters on_ellipsoid(const SurfaceModel& model, const Vec3& centre, const Mat
   return affine_image(model, centre, std::visit([&](const auto& m) { return posed(m, shape); }, model));
 }
 
+void place_on(const SurfaceModel& model, const SampleLayout& layout, const SampleTargets& targets,
+              Parameters& parameters) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { m.place_on(layout, targets, parameters); }) m.place_on(layout, targets, parameters);
+      },
+      model);
+}
+
+double bending_scale(const SurfaceModel& model) {
+  return std::visit(
+      []<class Model>(const Model& /*any*/) {
+        if constexpr (requires { Model::kBendingScale; }) {
+          return Model::kBendingScale;
+        } else {
+          return 1.0;
+        }
+      },
+      model);
+}
+
 int refinements_of(const SurfaceModel& model) {
   return std::visit([](const auto& m) { return m.refinements(); }, model);
 }
@@ -166,10 +187,6 @@ SlimeModel resting(const SlimeModel& model, const Parameters& shape) {
 Surface at_rest(const Surface& surface) {
   return {std::visit([&](const auto& m) -> SurfaceModel { return resting(m, surface.parameters); }, surface.model),
           surface.parameters};
-}
-
-TriangleMesh mesh_of(const SampleLayout& layout, const SurfaceSamples& samples) {
-  return {samples.x, layout.triangles, samples.normal};
 }
 
 TriangleMesh tessellate(const Surface& surface, int level) {

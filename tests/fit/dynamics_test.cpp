@@ -180,12 +180,12 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   s.size = {32, 32, 32};
   s.radius = {9, 7.5, 6};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings = one_stage({.name = "region",
-                                    .detail = 1,
-                                    .energies = {{"region", 1.0}, {"bending", 1e-3}, {"spacing", 0.05}},
-                                    .reach = 8.0,
-                                    .max_steps = 40,
-                                    .tolerance = 0.002});
+  FitOptions settings = one_stage({.name = "region",
+                                   .detail = 1,
+                                   .energies = {{"region", 1.0}, {"bending", 1e-3}, {"spacing", 0.05}},
+                                   .reach = 8.0,
+                                   .max_steps = 40,
+                                   .tolerance = 0.002});
   settings.model.kind = GetParam();
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
@@ -193,13 +193,13 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   settings.solver = Solver::dynamic;
   settings.time_step = 0.5;
   const FitResult moving = fit_ball_seed(phantom.image, Vec3(1, -1, 1), 5.0, settings);
-  EXPECT_EQ(moving.summary.stages.front().reason, "converged");
+  EXPECT_EQ(moving.summary.stages.front().termination, Termination::converged);
   EXPECT_GT(moving.summary.stages.front().steps, still.summary.stages.front().steps);
   EXPECT_LE(assd(moving.surface, tessellate(still.surface, 4)), 0.05);
 }
 
 TEST(DynamicFit, RefusesAMotionThatNothingHoldsBackAndOneThatIsNotAskedFor) {
-  FitSettings settings;
+  FitOptions settings;
   settings.mass = 1.0;
   EXPECT_THROW(settings.validate(), UsageError);
   settings.solver = Solver::dynamic;
@@ -216,7 +216,7 @@ TEST(DynamicFit, RefinesUntilTheErrorTargetIsMetAndNoFurther) {
   s.size = {40, 32, 32};
   s.radius = {7.0};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings;
+  FitOptions settings;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
   settings.similarity = false;

@@ -11,7 +11,7 @@
 #include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 namespace {

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/text_header.h"
+#include "pellicle/image/files/internal/text_header.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <map>
 
-#include "pellicle/image/files/voxel_source.h"
+#include "pellicle/image/files/internal/bad_volume.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

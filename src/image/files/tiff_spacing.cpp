@@ -1,4 +1,4 @@
-#include "pellicle/image/files/tiff_spacing.h"
+#include "pellicle/image/files/internal/tiff_spacing.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "pellicle/image/files/text_header.h"
+#include "pellicle/image/files/internal/text_header.h"
 
 namespace pellicle {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "pellicle/mesh/files/mesh_formats.h"
-#include "pellicle/mesh/files/point_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
+#include "pellicle/mesh/files/internal/point_formats.h"
 
 namespace pellicle::point_formats {
 
@@ -38,7 +38,7 @@ std::vector<std::string_view> rest_of(TextCursor& words) {
 std::size_t count_in(const Source& source, std::string_view word, const char* key) {
   double value = -1.0;
   if (!parse_number(word, value) || !(value >= 0.0 && value < 1e12) || value != std::floor(value)) {
-    fail(source, fmt::format("its {} is no whole number", key));
+    fail(source, fmt::format("its {} is not a whole number", key));
   }
   return static_cast<std::size_t>(value);
 }

@@ -1,4 +1,4 @@
-#include "pellicle/surface/normal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/normal_edge_rule.h"
 
 namespace pellicle {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-/// Catmull-Clark subdivision surfaces of any topology: a quad control mesh, a point a vertex. Linear in the points.
+/// Catmull-Clark subdivision surfaces of any topology: a quad control mesh, one point per vertex. Linear in the points.
 /// Source: Catmull, Clark 1978; as a deformable model Qin, Mandal, Vemuri 1997, corrected as in docs/any-topology.md.
 
 #include <memory>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pellicle/mesh/files/point_rows.h"
+#include "pellicle/mesh/quad/point_rows.h"
 #include "pellicle/surface/quad/quad_layout.h"
 
 namespace pellicle {
@@ -15,7 +15,8 @@ namespace pellicle {
 class CatmullClarkModel {
  public:
   /// \param quads oriented manifold control mesh over vertices 0 .. vertex_count - 1, counter-clockwise from outside.
-  /// Segmentation needs closed ones. \throws BadData naming the fault.
+  /// Segmentation needs closed ones.
+  /// \throws BadData naming the fault.
   CatmullClarkModel(int vertex_count, const std::vector<Quad>& quads, QuadReference reference,
                     Border border = Border::refused);
   /// The cube, refined so many times (8, 26, 98 points ...); its reference is the unit sphere, which the limit meets to
@@ -36,7 +37,7 @@ class CatmullClarkModel {
   std::string name() const { return "catmull-clark"; }
   bool is_closed() const { return control_->topology.closed(); }
 
-  /// A patch a quad. Positions and normals are those of the limit, to rounding.
+  /// One patch per quad. Positions and normals are those of the limit, to rounding.
   SampleLayout layout(int level) const;
   void evaluate(const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
                 SurfaceSamples& samples) const;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 #include "pellicle/surface/linear_stencils.h"
 #include "pellicle/surface/parameters.h"
 #include "pellicle/surface/samples.h"
@@ -19,7 +19,7 @@ struct QuadReference {
   bool sphere = false;  ///< they come near the unit sphere about the origin and stand for it: samples are projected
 };
 
-/// A control mesh that copies of a model share.
+/// A control mesh that all copies of a model use.
 struct QuadControl {
   QuadTopology topology;
   QuadReference reference;

@@ -1,6 +1,6 @@
 #pragma once
 /// "Slime": tangent-plane continuous generalised biquadratic B-splines of any genus over a closed quad control mesh, a
-/// point a vertex. Linear in the points; a patch a vertex, which depends on its neighbours alone.
+/// point per vertex. Linear in the points; one patch per vertex, which depends on its neighbours alone.
 /// Source: Stoddart, Hilton, Illingworth 1994; see slime_basis.h and docs/any-topology.md.
 
 #include <map>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pellicle/mesh/files/point_rows.h"
+#include "pellicle/mesh/quad/point_rows.h"
 #include "pellicle/surface/quad/quad_layout.h"
 #include "pellicle/surface/quad/slime_basis.h"
 
@@ -38,7 +38,7 @@ class SlimeModel {
   std::string name() const { return "slime"; }
   bool is_closed() const { return true; }
 
-  /// A patch a control vertex. Samples lie on the grid of the control quads, as for Catmull-Clark: level 0 has the
+  /// One patch per control vertex. Samples lie on the grid of the control quads, as for Catmull-Clark: level 0 has the
   /// middles of the patches, from level 1 on their borders are sampled, too.
   SampleLayout layout(int level) const;
   void evaluate(const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
@@ -68,8 +68,8 @@ class SlimeModel {
 /// |S_vv|^2 over regular polygons of unit edges, mm^2.
 PointRows thin_plate_rows(const SlimeModel& model);
 
-/// A row a vertex: the point less the mean of its neighbours (Stoddart et al., Section 4: their pull towards the mean
-/// and the reaction on the neighbours together are the gradient of half the rows' squares).
+/// One row per vertex: the point less the mean of its neighbours (Stoddart et al., Section 4: their pull towards the
+/// mean and the reaction on the neighbours together are the gradient of half the rows' squares).
 PointRows umbrella_rows(const QuadTopology& topology);
 
 }  // namespace pellicle

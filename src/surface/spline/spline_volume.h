@@ -15,11 +15,14 @@ namespace pellicle {
 /// 1e-7; each 100 times less with 8.
 class SplineVolume {
  public:
-  /// \param points a knot interval and direction. \throws UsageError for open surfaces.
+  /// \param points per knot interval and direction.
+  /// \throws UsageError for open surfaces.
   explicit SplineVolume(const SplineModel& model, int points = 6);
-  /// mm^3. \throws BadData for parameters of another size.
+  /// mm^3.
+  /// \throws BadData for parameters of another size.
   double value(const Parameters& parameters) const;
-  /// Also adds dV/dparameters to `gradient`, mm^2. \pre gradient.size() == parameters.size()
+  /// Also adds dV/dparameters to `gradient`, mm^2.
+  /// \pre gradient.size() == parameters.size()
   double value_and_gradient(const Parameters& parameters, std::vector<double>& gradient) const;
 
  private:
