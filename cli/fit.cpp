@@ -5,7 +5,7 @@
 
 #include "command_flags.h"
 #include "commands.h"
-#include "pellicle/output/fit_points.h"
+#include "pellicle/output/fit_files.h"
 
 namespace pellicle::cli {
 
@@ -16,12 +16,13 @@ int run_fit(const GeometryFitSettings& settings, const std::vector<std::string>&
   const double diameter = result.input.data.diameter;
   std::cout << heading_of_fits() << "\n";
   if (!result.settings.ladder.empty()) {
-    for (const auto& fitted : result.tried) std::cout << line_of(fitted, diameter) << "\n";
+    for (const auto& fitted : result.fit.sizes.tried) std::cout << line_of(fitted, diameter) << "\n";
   } else {
-    std::cout << line_of(result.tried[result.chosen], diameter) << "\n";
+    std::cout << line_of(result.fit.sizes.best(), diameter) << "\n";
   }
-  const FittedSurface& chosen = result.tried[result.chosen];
-  if (chosen.status != "ok") console.warn(fmt::format("{} ({}): {}", chosen.status, chosen.name, chosen.reason));
+  const FittedSurface& chosen = result.fit.sizes.best();
+  if (chosen.status != SizeStatus::ok)
+    console.warn(fmt::format("{} ({}): {}", to_string(chosen.status), chosen.name, chosen.reason));
   return result.exit_code();
 }
 

@@ -122,7 +122,7 @@ bool GeometryFitSettings::writes(const std::string& kind) const {
 std::vector<int> GeometryFitSettings::rungs() const {
   if (model.kind != ModelKind::spline || !detail || tolerance_mm || tolerance_percent) return ladder;
   std::vector<int> sizes;
-  for (int k = 0; k <= *detail; ++k) sizes.push_back(kFirstRung << k);
+  for (int k = 0; k <= *detail; ++k) sizes.push_back(SizeOptions::kFirstRung << k);
   return sizes;
 }
 

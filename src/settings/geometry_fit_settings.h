@@ -7,14 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/fit/size_search.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/settings/setting_table.h"
-#include "pellicle/surface/surface.h"
 
 namespace pellicle {
-
-/// Which residual the tolerance is about: root mean square, 95th percentile or maximum.
-enum class ToleranceOf { rms, p95, max };
 
 struct GeometryFitSettings {
   std::string input;  ///< FILE, or FILE:LABEL for label maps
@@ -35,7 +32,6 @@ struct GeometryFitSettings {
   int threads = 0;
   bool overwrite = false;
 
-  static constexpr int kFirstRung = 10;
   /// M of the fits of M x M control points that are asked for: the ladder, or 10, 20, 40, 80 up to a spline's detail.
   std::vector<int> rungs() const;
   bool writes(const std::string& kind) const;

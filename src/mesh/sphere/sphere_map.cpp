@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/base/interrupt.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/sphere/internal/collapse.h"
 #include "pellicle/mesh/sphere/internal/stretch.h"
@@ -17,11 +16,11 @@ namespace pellicle {
 
 namespace {
 
-/// Weight of the inverse map's Dirichlet energy. Without it the map ripples along the directions that stretch does not
-/// see, and no smooth model can follow.
+/// Weight of the Dirichlet energy of the inverse map. Without it the map has ripples along directions in which the
+/// stretch does not change, and smooth models cannot follow.
 constexpr double kInverse = 2.0;
 
-/// What one triangle of the surface asks for: constant while vertices move on the sphere.
+/// The constants of one triangle in the energy, while vertices move on the sphere.
 struct TriangleCost {
   double area = 0.0;
   double dirichlet = 0.0;             ///< weight over 8 times the plain area
@@ -44,9 +43,10 @@ Polygon clipped(const Polygon& in, double c, const Eigen::Vector2d& g) {
 
 class Mapper {
  public:
-  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings)
+  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer)
       : mesh_(mesh),
         settings_(settings),
+        observer_(observer),
         collapsed_(mesh),
         place_(mesh.vertices.size(), Vec3::Zero()),
         importance_(mesh.vertices.size(), 1.0) {
@@ -61,7 +61,7 @@ class Mapper {
     while (collapsed_.vertex_count() < most) {
       insert(collapsed_.split());
       if (collapsed_.vertex_count() >= next || collapsed_.vertex_count() == most) {
-        check_interrupt();
+        observer_.check_stopped();
         relax_all(collapsed_.vertex_count() < 500 ? 2 * settings_.sweeps : settings_.sweeps);
         next = std::max(next + 4, collapsed_.vertex_count() * 5 / 4);
       }
@@ -131,7 +131,7 @@ class Mapper {
     return star;
   }
 
-  // Into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner of it.
+  // Puts a vertex into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner.
   void insert(const Collapse& c) {
     const Vec3 n = place_[idx(c.kept)];
     const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
@@ -206,7 +206,7 @@ class Mapper {
     const double mean_edge = std::sqrt(8.0 * std::numbers::pi / static_cast<double>(present.size()));
     for (int s = 0; s < sweeps; ++s) {
       double moved = 0.0;
-      // There and back, so that no end is always last.
+      // In alternating order, so that no end of the mesh is always last.
       if (s % 2 == 0) {
         for (const int v : present) moved += relax(v);
       } else {
@@ -276,6 +276,7 @@ class Mapper {
 
   const TriangleMesh& mesh_;
   const SphereMapSettings& settings_;
+  const Observer& observer_;
   CollapsedMesh collapsed_;
   std::vector<Vec3> place_;
   std::vector<double> importance_;
@@ -284,7 +285,7 @@ class Mapper {
 
 }  // namespace
 
-SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings) {
+SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer) {
   check_indices(mesh);
   const MeshTopology topology = topology_of(mesh);
   if (!topology.closed || !topology.manifold || !topology.oriented) {
@@ -308,7 +309,7 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
     }
     used.triangles.push_back(renumbered);
   }
-  return Mapper(used, settings).run();
+  return Mapper(used, settings, observer).run();
 }
 
 }  // namespace pellicle

@@ -1,20 +1,20 @@
-#include "pellicle/output/fit_points.h"
+#include "pellicle/output/fit_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/output/fit_levels.h"
 #include "pellicle/output/fit_report.h"
+#include "pellicle/output/geometry_files.h"
 #include "pellicle/output/outputs.h"
-#include "pellicle/output/provenance.h"
 #include "pellicle/output/seed_files.h"
+#include "pellicle/picture/canvas.h"
+#include "pellicle/settings/settings.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle {
@@ -49,48 +49,33 @@ std::vector<PlannedFile> plan_of(const GeometryFitSettings& settings) {
   return plan;
 }
 
-int density_for(const Surface& surface) {
-  int level = 6;
-  while (level > 2 && base_facets(surface.model) * std::pow(4.0, level) > 120000.0) --level;
-  return level;
-}
-
-void measure_mesh(GeometryFitResult& result) {
-  const Surface& surface = result.tried[result.chosen].fit.surface;
-  result.mesh = tessellate(surface, result.settings.mesh_density.value_or(density_for(surface)));
-  for (const Vec3& v : result.mesh.vertices) {
-    if (!v.allFinite()) throw Failure("fit failed (surface): it is not finite; please report this");
-  }
-  const bool closed = is_closed(surface.model);
-  if (closed && volume_of(result.mesh) < 0.0) {
-    for (auto& t : result.mesh.triangles) std::swap(t[1], t[2]);
-    for (Vec3& n : result.mesh.normals) n = -n;
-  }
-  result.topology = topology_of(result.mesh);
-  result.volume_ml = closed ? std::abs(volume_with_normals(tessellate(surface, density_for(surface)))) / 1000.0
-                            : std::numeric_limits<double>::quiet_NaN();
-  result.area_mm2 = area_of(result.mesh);
-}
-
 void write_outputs(const std::vector<PlannedFile>& plan, const Observer& observer, GeometryFitResult& result) {
   const GeometryFitSettings& settings = result.settings;
   create_folder(settings.output);
-  if (settings.writes("mesh")) write_mesh(path_of(plan, "mesh"), result.mesh, settings.mesh_format);
-  if (settings.writes("model")) write_model(path_of(plan, "model"), result.tried[result.chosen].fit.surface);
-  if (!settings.ladder.empty()) write_ladder_picture(path_of(plan, "ladder"), result);
+  if (settings.writes("mesh")) write_mesh(path_of(plan, "mesh"), result.fit.mesh, settings.mesh_format);
+  if (settings.writes("model")) write_model(path_of(plan, "model"), result.fit.sizes.best().fit.surface);
+  if (!settings.ladder.empty()) write_png(path_of(plan, "ladder"), ladder_picture(result));
   observer.check_stopped();
   for (const auto& file : plan) {
     if (file.kind != "report") result.outputs.push_back(described(file.kind, file.path));
   }
 }
 
+void check_model(ModelKind kind, const GeometryInput& input) {
+  if (takes(kind, input)) return;
+  throw SettingError("bad value", "model", name_of(kind),
+                     input.grid ? "a grid of points (u_index, v_index) is interpolated by a spline; give `model` "
+                                  "spline, spline-torus, spline-cylinder or spline-rectangle"
+                                : "points without a grid are fitted by normal, spline, catmull-clark and slime");
+}
+
 }  // namespace
 
 int GeometryFitResult::exit_code() const {
-  if (!settings.ladder.empty()) {
-    return std::all_of(tried.begin(), tried.end(), [](const FittedSurface& f) { return f.status == "ok"; }) ? 0 : 3;
-  }
-  return tried[chosen].status == "ok" ? 0 : 3;
+  const auto is_ok = [](const FittedSurface& fitted) { return fitted.status == SizeStatus::ok; };
+  const std::vector<FittedSurface>& tried = fit.sizes.tried;
+  const bool ok = settings.ladder.empty() ? is_ok(fit.sizes.best()) : std::all_of(tried.begin(), tried.end(), is_ok);
+  return ok ? 0 : 3;
 }
 
 std::string heading_of_fits() {
@@ -102,7 +87,20 @@ std::string line_of(const FittedSurface& fitted, double diameter) {
   const PointFitSummary& s = fitted.fit.summary;
   return fmt::format("{:>12} {:>6} {:>10.4g} {:>8.4f} {:>10.4g} {:>8.4f} {:>5} {:>6}  {:<16} {:>8.2f}", fitted.name,
                      s.control_points, s.to_surface.rms, 100.0 * s.to_surface.rms / diameter, s.to_surface.max,
-                     100.0 * s.to_surface.max / diameter, s.genus, s.self_intersections, fitted.status, s.seconds);
+                     100.0 * s.to_surface.max / diameter, s.genus, s.self_intersections, to_string(fitted.status),
+                     s.seconds);
+}
+
+GeometryFitOptions options_of(const GeometryFitSettings& settings) {
+  return {.sizes = {.model = settings.model,
+                    .detail = settings.detail,
+                    .tolerance_mm = settings.tolerance_mm,
+                    .tolerance_percent = settings.tolerance_percent,
+                    .tolerance_of = settings.tolerance_of,
+                    .size = settings.size,
+                    .ladder = settings.rungs(),
+                    .smoothness = settings.smoothness},
+          .mesh_level = settings.mesh_density};
 }
 
 GeometryFitResult fit_to_files(const GeometryFitSettings& settings, const RunRecord& record, const Observer& observer) {
@@ -113,24 +111,23 @@ GeometryFitResult fit_to_files(const GeometryFitSettings& settings, const RunRec
   result.settings.ladder = settings.rungs();
   PhaseClock clock;
   clock.start("read");
-  const fs::path file = parse_mask_argument(settings.input).file;
+  result.file = parse_mask_argument(settings.input).file;
   std::error_code ignored;
-  if (!fs::exists(file, ignored)) {
-    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", file.string()));
+  if (!fs::exists(result.file, ignored)) {
+    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", result.file.string()));
   }
   const std::vector<PlannedFile> plan = plan_of(result.settings);
-  check_outputs(paths_of(plan), settings.overwrite, {file});
+  check_outputs(paths_of(plan), settings.overwrite, {result.file});
   result.input = read_geometry(settings.input, settings.open);
   check_model(settings.model.kind, result.input);
   for (const auto& warning : result.input.warnings) {
-    observer.tell_warning(fmt::format("{}: {}", file.string(), warning));
+    observer.tell_warning(fmt::format("{}: {}", result.file.string(), warning));
   }
-  clock.start("fit");
-  fit_levels(observer, result);
-  clock.start("measure");
-  measure_mesh(result);
+  clock.stop();
+  result.fit = fit_geometry(result.input, options_of(settings), observer);
+  clock.add(result.fit.seconds);
   clock.start("write");
-  result.inputs.push_back({result.input.kind, file, sha256_of(file)});
+  result.inputs.push_back({to_string(result.input.kind), result.file, sha256_of(result.file)});
   write_outputs(plan, observer, result);
   clock.stop();
   result.seconds = clock.seconds();
