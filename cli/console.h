@@ -16,8 +16,8 @@ namespace pellicle::cli {
 
 struct ConsoleOptions {
   bool quiet = false;        ///< errors only
-  bool verbose = false;      ///< also what is going on
-  bool json = false;         ///< one JSON object a line
+  bool verbose = false;      ///< also what is being done
+  bool json = false;         ///< one JSON object per line
   bool no_progress = false;  ///< no bar even on a terminal
 };
 

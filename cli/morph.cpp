@@ -35,7 +35,7 @@ int run_morph(const MorphSettings& settings, const std::vector<std::string>& com
 Run add_morph(CLI::App& app, const std::vector<std::string>& command_line) {
   app.footer(
       "Writes STEM_morph-001_surface.ply, STEM_morph-001_model.json, ..., STEM_morph.tsv, STEM_morph.png and\n"
-      "STEM_morph.json. Prints one line a shape: step, tau, volume in ml, area in mm^2, status.\n"
+      "STEM_morph.json. Prints one line per shape: step, tau, volume in ml, area in mm^2, status.\n"
       "Example: pellicle morph before_model.json after_model.json -o out --steps 7 --space sphere --from -0.5 --to "
       "1.5");
   return settings_command<MorphSettings>(app, morph_table(),

@@ -5,6 +5,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/settings/setting_fields.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 

@@ -3,8 +3,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "pellicle/settings/setting_table.h"
-
 namespace pellicle {
 
 namespace {
@@ -15,18 +13,6 @@ std::optional<Number> whole_in(const std::string& word) {
   const auto [rest, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (fault != std::errc() || rest != word.data() + word.size()) return std::nullopt;
   return value;
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == separator) {
-      parts.emplace_back();
-    } else if (c != ' ' && c != '\t') {
-      parts.back() += c;
-    }
-  }
-  return parts;
 }
 
 }  // namespace
@@ -62,18 +48,21 @@ int integer_of(const std::string& word, const std::string& where) {
 }
 
 std::vector<std::string> split_commas(const std::string& text) {
-  return split(text, ',');
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ',') {
+      parts.emplace_back();
+    } else if (c != ' ' && c != '\t') {
+      parts.back() += c;
+    }
+  }
+  return parts;
 }
 
 std::string joined_by_commas(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ",") + word;
   return text;
-}
-
-std::vector<std::string> SettingKey::choices() const {
-  if (kind != SettingKind::text || placeholder.find('|') == std::string::npos) return {};
-  return split(placeholder, '|');
 }
 
 }  // namespace pellicle

@@ -65,7 +65,7 @@ void validate_many(const SegmentSettings& s) {
   if (s.trace)
     throw SettingError("conflicting settings", "trace, objects", "a trace is of one object, not `objects` many");
   if (s.fit.start_rule == StartRule::head)
-    refuse_setting("start-rule", "head", "finds one brain; not for `objects` many");
+    refuse_setting("start-rule", "head", "finds one brain; it is not for `objects` many");
   if (s.fit.boundary == Boundary::ridge) {
     refuse_setting("boundary", "ridge",
                    "many objects are found by their inside; membranes are not available with `objects` many");

@@ -51,7 +51,7 @@ struct SegmentSettings {
   int threads = 0;                                                ///< 0: all
   bool overwrite = false;
 
-  /// Whether the output folder gets this kind; false for all when there is no folder.
+  /// Whether this kind of output is written to the output folder; none is when there is no folder.
   bool writes(const std::string& kind) const;
   /// `seed_spheres`, then `seed_points`.
   std::vector<std::array<double, 4>> all_seed_spheres() const;

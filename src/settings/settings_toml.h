@@ -24,7 +24,7 @@ void apply_toml_file(const std::filesystem::path& path, SegmentSettings& setting
 void apply_toml_text(const std::string& text, const std::string& origin, SegmentSettings& settings,
                      const std::vector<SettingTarget>& host = {});
 
-/// All settings that have a value, one a line; read back by apply_toml_text they are the same to the last bit.
+/// All settings that have a value, one per line; read back by apply_toml_text they are the same to the last bit.
 /// \param host settings of the program around: after the others, before the tables.
 std::string toml_of(const SegmentSettings& settings, const std::vector<SettingEntry>& host = {});
 /// Only the [[stage]] tables.

@@ -11,7 +11,7 @@
 
 namespace pellicle {
 
-/// All settings that have a value, one a line, tables last; read back they are the same to the last bit.
+/// All settings that have a value, one per line, tables last; read back they are the same to the last bit.
 std::string toml_of(const std::vector<SettingEntry>& settings);
 nlohmann::ordered_json json_of(const std::vector<SettingEntry>& settings);
 
