@@ -55,7 +55,7 @@ std::vector<std::uint8_t> on_sheets(const std::vector<Vec3>& points, const Point
         if (n.distance > 0.0) others.push_back(tree.points()[static_cast<std::size_t>(n.point)]);
       }
       if (others.size() <= kSixth) continue;
-      const Plane plane = plane_through(others);
+      const FittedPlane plane = plane_through(others);
       const double off = std::abs(plane.normal.dot(points[i] - plane.mean));
       on[i] = off <= std::max(kDeviations * plane.deviation, kOff * (others[kSixth] - points[i]).norm()) ? 1 : 0;
     }

@@ -129,11 +129,7 @@ TriangleMesh MeshLayouts::mesh(const Surface& surface, int level) {
 }
 
 std::shared_ptr<const SampleLayout> MeshLayouts::layout(const SurfaceModel& model, int level) {
-  Parameters reference = std::visit([](const auto& m) { return m.reference(); }, model);
-  const Parameters somewhere = reference.empty() ? Parameters(3 * blocks_of(model).size()) : reference;
-  const auto* normal = std::get_if<NormalModel>(&model);
-  const Key key{model.index(), level, normal != nullptr ? static_cast<int>(normal->rule()) : 0,
-                control_mesh_of({model, somewhere}).triangles, std::move(reference)};
+  const LayoutKey key = layout_key(model, level);
   const std::scoped_lock lock(mutex_);
   const auto found = layouts_.find(key);
   if (found != layouts_.end()) return found->second;

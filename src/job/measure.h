@@ -21,18 +21,11 @@ class MeshLayouts {
   TriangleMesh mesh(const Surface& surface, int level);
 
  private:
-  struct Key {
-    std::size_t kind;  ///< alternative of SurfaceModel
-    int level, rule;   ///< rule: of subdivision, of the normal model
-    std::vector<std::array<int, 3>> control_facets;
-    Parameters reference;
-    auto operator<=>(const Key&) const = default;
-  };
   std::shared_ptr<const SampleLayout> layout(const SurfaceModel& model, int level);
 
   static constexpr std::size_t kMostLayouts = 64;
   std::mutex mutex_;
-  std::map<Key, std::shared_ptr<const SampleLayout>> layouts_;
+  std::map<LayoutKey, std::shared_ptr<const SampleLayout>> layouts_;
 };
 
 /// Fills mesh, topology, self-intersections, volume and area of each object, and the shape of many. Meshes of many

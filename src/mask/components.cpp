@@ -16,7 +16,7 @@ bool inside_grid(const ImageGrid& grid, const Index3& v) {
   return true;
 }
 
-// Layers peeled off from the border inward: the last layer of a part holds its deepest voxels.
+// Layers from the border inward: the last layer of a part holds its deepest voxels.
 void find_deepest(const Image<std::int32_t>& labels, std::vector<Component>& parts) {
   std::vector<Index3> layer;
   Image<std::int32_t> depth(labels.grid, 0);

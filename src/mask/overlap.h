@@ -1,5 +1,5 @@
 #pragma once
-/// Voxel agreement of two masks.
+/// Overlap of two masks: Dice coefficient, intersection over union, volume error.
 
 #include <cstdint>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace pellicle {
 
-/// Rule for empty masks: both empty agree (dice and iou 1, volume error 0); one empty agrees in nothing (dice and iou
+/// Rule for empty masks: both empty agree (dice and iou 1, volume error 0); one empty does not (dice and iou
 /// 0), and against an empty truth a relative volume error does not exist.
 struct OverlapMetrics {
   double dice = 0.0;                   ///< 2 |A and B| / (|A| + |B|)

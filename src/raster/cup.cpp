@@ -38,7 +38,7 @@ bool meets(const Mask& sheet, const Vec3& from, const Vec3& direction) {
   }
 }
 
-// The grown sheet and what it covers.
+// The dilated sheet and the voxels from which enough directions meet it.
 void fill_below_mouth(Mask& sheet) {
   constexpr int kDirections = 128;
   constexpr double kFraction = 0.45;

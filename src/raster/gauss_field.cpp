@@ -122,7 +122,7 @@ Image<float> gauss_field(const std::vector<Vec3>& points, double spacing, const 
   for_lines([&](const Index3& at, float& value, const auto& evaluate) {
     if (coarse(at)) value = evaluate();
   });
-  // Where every second voxel around is clearly inside or outside, so is the voxel.
+  // A voxel between clearly inside (or outside) voxels of the coarse grid is inside (or outside) too.
   for_lines([&](const Index3& at, float& value, const auto& evaluate) {
     if (coarse(at)) return;
     float lo = 1.0F, hi = 0.0F;

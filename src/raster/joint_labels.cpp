@@ -42,7 +42,7 @@ Disputes disputes_of(const std::vector<MaskPiece>& pieces, const Image<std::uint
                      const std::vector<std::uint16_t>& own) {
   Disputes disputes;
   std::unordered_map<std::size_t, std::size_t> places;
-  // Whoever does not see its own label in a voxel disputes it; the one whose label stands there is found afterwards.
+  // A surface that holds a voxel with another label disputes it; the owner of that label is added afterwards.
   for (std::size_t s = 0; s < pieces.size(); ++s) {
     for_each_inside(pieces[s], labels.grid, [&](std::size_t voxel) {
       if (labels.voxels[voxel] != own[s] && places.try_emplace(voxel, disputes.voxels.size()).second) {

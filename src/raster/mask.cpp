@@ -15,8 +15,8 @@ namespace pellicle {
 
 namespace {
 
-// By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs waver, or
-// half a per cent where that is more (coarse facets, whose edges mislead it).
+// By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs are unsure,
+// or half a per cent where that is more (coarse facets, whose edges mislead it).
 constexpr double kLayer = 0.02, kVolumeFraction = 0.005;
 
 struct Crossing {

@@ -29,7 +29,9 @@ struct MaskResult {
 /// Cavities (shells wound inward) stay hollow, overlaps are their union, and of a surface that leaves the grid the part
 /// inside it is right. A centre exactly on the surface belongs to the solid that lies on the side of larger x, else y,
 /// else z in index space, so that no voxel belongs to two solids side by side. Oblique, anisotropic and left-handed
-/// grids are honoured: all is done in index space. \pre `surface` is closed and outward-oriented. \throws BadData
+/// grids are honoured: all is done in index space.
+/// \pre `surface` is closed and outward-oriented.
+/// \throws BadData
 /// naming the first edge that is open, the first missing vertex or coordinate that is not finite.
 MaskResult rasterize_mask_checked(const TriangleMesh& surface, const ImageGrid& grid);
 /// The same mask by winding numbers alone, in a tenth of the time: for inner loops.

@@ -19,7 +19,7 @@ const double kScale = std::cbrt(2.0);  // K
 constexpr double kSeedScale = 0.9;     // times that of a typical object: neighbours part, nucleoli do not
 constexpr double kVoxelsPerRadius = 5.0, kVoxelsPerScale = 4.0;
 
-/// Covariance of white noise of unit variance a voxel after Gaussians of a and b.
+/// Covariance of white noise of unit variance per voxel after Gaussians of a and b.
 double overlap(double a, double b, double voxel_volume) {
   return voxel_volume / std::pow(2.0 * std::numbers::pi * (a * a + b * b), 1.5);
 }
@@ -66,7 +66,7 @@ Index3 nearest_voxel(const ImageGrid& grid, const Vec3& x) {
   return at;
 }
 
-/// Largest value of the 27 voxels about one, that one left out when it is of this image.
+/// Largest value of the 27 voxels about `at`, or of the 26 others.
 float largest_around(const Image<float>& image, const Index3& at, bool with_own) {
   float largest = -std::numeric_limits<float>::infinity();
   const Index3& size = image.grid.size;
@@ -85,8 +85,8 @@ struct Maximum {
   float value = 0.0F;
 };
 
-/// How much noisier a response is where the image is continued beyond its border: smoothed over half as many voxels
-/// along each axis that ends within about sigma.
+/// Factor of the noise of a response near the border: the image is continued there, so that the response is a mean of
+/// half as many voxels along each axis that ends within about sigma.
 double border_factor(const ImageGrid& grid, const Index3& at, double sigma) {
   double factor = 1.0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -120,13 +120,13 @@ std::vector<Maximum> maxima_of(const Image<float>& image, double threshold, doub
   return all;
 }
 
-/// One scale: its response and its place in the ladder.
+/// The response at one scale.
 struct Scale {
   double radius = 0.0;
   Image<float> response;
 };
 
-/// The response at ever larger radii, each on voxels of a quarter of its radius.
+/// Responses at growing radii, each on voxels of a quarter of its radius.
 class Ladder {
  public:
   explicit Ladder(const BlobField& field) : field_(field) {}

@@ -27,7 +27,7 @@ class Part {
     }
   }
 
-  /// Sets of kept (or of left) quads that hang together by edges.
+  /// Sets of kept (or of left out) quads that are joined by edges.
   std::vector<std::vector<int>> parts(bool of_kept) const {
     std::vector<bool> seen(kept_.size(), false);
     std::vector<std::vector<int>> result;
@@ -126,7 +126,7 @@ class Part {
   }
   bool is_kept(int quad) const { return quad >= 0 && kept_[idx(quad)]; }
 
-  // Kept quads around a vertex that hang together by its edges, the smallest set first.
+  // Kept quads around a vertex that are joined by its edges, the smallest set first.
   std::vector<std::vector<int>> fans_at(int vertex, const std::vector<int>& quads) const {
     std::vector<std::vector<int>> fans;
     std::vector<int> left;
@@ -168,7 +168,7 @@ class Part {
   std::map<int, std::vector<int>> around_;      ///< quads at a vertex
 };
 
-// The quads that lie along the points. What is nearer to a lid is none of them.
+// The quads that lie along the points; quads that are nearer to a lid do not.
 QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, const std::vector<Vec3>& lids, double reach) {
   constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
   const QuadMesh smooth{smoothed_vertices(closed, kSmoothings), closed.quads};

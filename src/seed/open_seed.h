@@ -17,11 +17,11 @@ struct OpenPoints {
   std::vector<Vec3> plane_normals;
 };
 
-/// The quads of a closed mesh (smoothed) whose centres are within `reach` of a point and lie along its plane: the quads
-/// that close its openings do not. Holes of fewer than four quads stay filled; the largest part is kept, without quads
-/// that hang by one edge and vertices that join two fans; a strip of quads is sewn around it, so that every border
-/// vertex has two quads and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near
-/// the points.
+/// The part of a closed mesh (smoothed) that lies along the points: quads whose centres are within `reach` of a point
+/// and that are parallel to its plane. Holes of fewer than four quads stay filled. The largest part is kept, without
+/// quads that hang by one edge and vertices that join two fans. A strip of quads is added around it, so that every
+/// border vertex has two quads and the border of the limit surface is a smooth curve.
+/// \throws BadData when nothing of the mesh is near the points.
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
 
 /// Smooth curves along the rims of the points, one per border of open_part. Five grids over the body are tried, each

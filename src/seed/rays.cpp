@@ -128,7 +128,7 @@ RayReading read_one(const Profiles& rays, const std::vector<Vec3>& directions, c
   reading.inside = median_of(inside);
   reading.outside = median_of(outside);
   reading.median_radius = median_of(found);
-  // A ray without an edge, or far off its neighbours, takes their median (7 nearest directions).
+  // A ray without an edge, or with one far from those of its neighbours, takes their median (7 nearest directions).
   std::vector<double> clean(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<std::pair<double, std::size_t>> near;

@@ -99,7 +99,7 @@ Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spa
 }
 
 Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double fraction, Limbs limbs) {
-  constexpr double kHeld = 0.2;  // of an octant
+  constexpr double kHeld = 0.2;  // fraction of an octant that makes it part of the object
   check_spacing(spacing_mm);
   const Box box = box_of(mask);
   const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels

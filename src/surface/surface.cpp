@@ -139,6 +139,30 @@ SampleLayout layout_of(const SurfaceModel& model, int level) {
   return std::visit([&](const auto& m) { return m.layout(level); }, model);
 }
 
+namespace {
+
+int variant_of(const NormalModel& model) {
+  return static_cast<int>(model.rule());
+}
+
+int variant_of(const SplineModel& model) {
+  return static_cast<int>(model.settings().generator);
+}
+
+template <class Model>
+int variant_of(const Model& /*of one kind*/) {
+  return 0;
+}
+
+}  // namespace
+
+LayoutKey layout_key(const SurfaceModel& model, int level) {
+  Parameters reference = std::visit([](const auto& m) { return m.reference(); }, model);
+  const Parameters somewhere = reference.empty() ? Parameters(3 * blocks_of(model).size()) : reference;
+  return {model.index(), std::visit([](const auto& m) { return variant_of(m); }, model), level,
+          control_mesh_of({model, somewhere}).triangles, std::move(reference)};
+}
+
 SampleLayout knot_layout_of(const SurfaceModel& model, int level) {
   if (const auto* spline = std::get_if<SplineModel>(&model)) return spline->knot_layout(level);
   return layout_of(model, level);

@@ -1,8 +1,12 @@
 #pragma once
 /// The closed set of surface models and what every one of them can do.
 
+#include <array>
+#include <compare>
+#include <cstddef>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "pellicle/mesh/triangle_mesh.h"
 #include "pellicle/surface/normal/normal_model.h"
@@ -64,6 +68,16 @@ int degrees_of_freedom(const SurfaceModel& model);
 int refinements_of(const SurfaceModel& model);
 bool is_closed(const SurfaceModel& model);
 SampleLayout layout_of(const SurfaceModel& model, int level);
+/// All that a sample layout depends on: models with equal keys have equal layouts.
+struct LayoutKey {
+  std::size_t kind = 0;  ///< alternative of SurfaceModel
+  int variant = 0;       ///< normal: subdivision rule; spline: generator
+  int level = 0;
+  std::vector<std::array<int, 3>> control_facets;
+  Parameters reference;  ///< empty when the model has no reference shape
+  auto operator<=>(const LayoutKey&) const = default;
+};
+LayoutKey layout_key(const SurfaceModel& model, int level);
 /// Samples that see every motion of the control points, even where these crowd (a spline's poles): about four per
 /// control point at level 1, four times as many per level. Otherwise as layout_of.
 SampleLayout knot_layout_of(const SurfaceModel& model, int level);

@@ -18,7 +18,7 @@ import tempfile
 
 # The folders from the bottom up: each may include itself and what stands before it. Some are planned.
 ORDER = ['base', 'image', 'mask', 'mesh', 'surface', 'raster', 'synthetic', 'energies', 'seed', 'solve', 'fit', 'settings', 'job',
-         'pipeline', 'picture', 'output', 'batch', 'cli']
+         'picture', 'output', 'batch', 'cli']
 # Folders that may use fewer than what stands before them: the phantoms are an oracle that shares no code with the models.
 ONLY = {'synthetic': {'base', 'image', 'mesh', 'synthetic'}}
 OUTSIDE_SRC = {'data-synthetic': 'synthetic', 'energies': 'energies', 'cli': 'cli'}
@@ -41,11 +41,12 @@ KNOWN_CIRCLES = [
      'fit/surface_fit'},
     {'fit/level_fit', 'fit/point_fit'},
     {'fit/many', 'fit/many_evidence', 'fit/many_piece'},
+    {'fit/options', 'fit/plan'},
+    {'fit/setting_rules', 'fit/settings'},
     {'settings/presets', 'settings/settings_toml'},
-    {'pipeline/contact_sheet', 'pipeline/convergence_picture', 'pipeline/qc_picture', 'pipeline/report', 'pipeline/segment',
-     'pipeline/segment_many', 'pipeline/slice_view', 'pipeline/trace'},
-    {'pipeline/fit_levels', 'pipeline/fit_points', 'pipeline/fit_report', 'pipeline/fit_seeds'},
-    {'pipeline/page_case', 'pipeline/report_page'},
+    {'output/page_case', 'output/report_page'},
+    {'output/fit_levels', 'output/fit_points', 'output/fit_report', 'output/fit_seeds'},
+    {'output/segment_ends', 'output/segment_files', 'output/segment_report'},
 ]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)

@@ -1,6 +1,6 @@
 #pragma once
 /// Mesh files. PLY, OBJ, STL and VTP hold LPS mm and say so where the format has a place for it ("SPACE=LPS", as 3D
-/// Slicer writes); GIfTI (.surf.gii) holds RAS, as its readers expect. Reading undoes the same.
+/// Slicer writes); GIfTI (.surf.gii) holds RAS, as its readers expect. Reading turns it back.
 
 #include <filesystem>
 #include <string>

@@ -20,6 +20,13 @@ struct Columns {
   int x = 0, y = 1, z = 2, weight = -1, u = -1, v = -1, least = 3;
 };
 
+char separator_of(std::string_view line) {
+  for (const char c : {',', ';', '\t'}) {
+    if (line.find(c) != std::string_view::npos) return c;
+  }
+  return ',';
+}
+
 std::vector<std::string_view> fields_of(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
   while (true) {
@@ -104,14 +111,7 @@ PointCloud read_csv(const Source& source) {
   for (std::size_t number = 1; lines.next_line(line); ++number) {
     line = line.substr(0, line.find('#'));
     if (line.find_first_not_of(" \t,;") == std::string_view::npos) continue;
-    if (first) {
-      for (const char c : {',', ';', '\t'}) {
-        if (line.find(c) != std::string_view::npos) {
-          separator = c;
-          break;
-        }
-      }
-    }
+    if (first) separator = separator_of(line);
     const auto fields = fields_of(line, separator);
     double ignored = 0.0;
     if (first && !parse_number(fields[0], ignored)) {

@@ -109,7 +109,7 @@ std::vector<Vec3> step(const std::vector<Vec3>& curve, const RimPoints& rim, int
 }
 
 // Schwarz's criterion of distances that fall off as exp(-|d|): 2 n ln(mean distance) + m ln(n), n points and m control
-// points. Unlike one of squares, it compares fits that have points far off with those that have not.
+// points. Unlike one of squares, it can compare fits with and without points far away.
 double schwarz(const std::vector<Vec3>& curve, const RimPoints& rim, int controls) {
   const Attached at = attached(curve, rim);
   const auto n = static_cast<double>(rim.x.size());

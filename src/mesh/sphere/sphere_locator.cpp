@@ -51,10 +51,10 @@ SphereLocator::Place SphereLocator::locate(const Vec3& direction, int hint) cons
     int worst = 0;
     const double least = w.minCoeff(&worst);
     if (least >= 0.0 && in_front(t)) return place_in(t, w);
-    // Behind the origin all three may be positive: any way out will do.
+    // On the far side of the sphere all three may be positive: then any edge will do.
     t = across_[idx(t)][idx((worst + 1) % 3)];
   }
-  // A walk may circle; then every triangle is asked.
+  // A walk may go in circles; then all triangles are tried.
   double best = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < static_cast<int>(across_.size()); ++k) {
     const Vec3 w = sides(k);

@@ -16,11 +16,11 @@ namespace pellicle {
 
 namespace {
 
-/// Weight of the inverse map's Dirichlet energy. Without it the map ripples along the directions that stretch does not
-/// see, and no smooth model can follow.
+/// Weight of the Dirichlet energy of the inverse map. Without it the map has ripples along directions in which the
+/// stretch does not change, and smooth models cannot follow.
 constexpr double kInverse = 2.0;
 
-/// What one triangle of the surface asks for: constant while vertices move on the sphere.
+/// The constants of one triangle in the energy, while vertices move on the sphere.
 struct TriangleCost {
   double area = 0.0;
   double dirichlet = 0.0;             ///< weight over 8 times the plain area
@@ -131,7 +131,7 @@ class Mapper {
     return star;
   }
 
-  // Into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner of it.
+  // Puts a vertex into the kernel of its ring: the directions from which all of the ring is seen. `kept` is a corner.
   void insert(const Collapse& c) {
     const Vec3 n = place_[idx(c.kept)];
     const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
@@ -206,7 +206,7 @@ class Mapper {
     const double mean_edge = std::sqrt(8.0 * std::numbers::pi / static_cast<double>(present.size()));
     for (int s = 0; s < sweeps; ++s) {
       double moved = 0.0;
-      // There and back, so that no end is always last.
+      // In alternating order, so that no end of the mesh is always last.
       if (s % 2 == 0) {
         for (const int v : present) moved += relax(v);
       } else {

@@ -53,13 +53,16 @@ class CatmullClarkModel {
   std::shared_ptr<const QuadControl> control_;
 };
 
-/// Factor rows of the thin plate under tension: sum_r |sum_k w_rk c_k|^2 = sum over the quads of
+/// Thin plate under tension, the smoothness of Qin et al.; fits use the bending energy of energies/bending.h, which
+/// works for every model. For programs that compare the two, and for tests.
+///
+/// Factor rows: sum_r |sum_k w_rk c_k|^2 = sum over the quads of
 /// int membrane (|x_s|^2 + |x_t|^2) + bending (|x_ss|^2 + 2 |x_st|^2 + |x_tt|^2) ds dt, in mm^2, by 4 x 4 Gauss points
-/// a polynomial piece (exact). Qin et al. 1997, Eq. (20) with the rotation-invariant weights.
+/// per polynomial piece (exact). Qin et al. 1997, Eq. (20) with the rotation-invariant weights.
 ///
 /// At vertices of valence 5 and more that integral of the limit surface is infinite (each ring of pieces towards the
 /// vertex adds 1.2 to 1.5 times the one before), so the limit is replaced by bicubic patches around them after three
-/// levels: finite, but the value there belongs to that depth. (The other sound choice, a rigidity that falls by 4 a
+/// levels: finite, but the value there belongs to that depth. (The other sound choice, a rigidity that falls by 4 per
 /// ring, is not offered.)
 PointRows thin_plate_rows(const CatmullClarkModel& model, double membrane, double bending);
 

@@ -41,7 +41,7 @@ class QuadGrid {
   int node(int quad, int i, int j) const;
   /// The same for (i, j) counted from a corner: i towards the next corner, j towards the one before.
   int node_from_corner(int quad, int corner, int i, int j) const;
-  /// Two triangles a cell, counter-clockwise, over the samples at the nodes.
+  /// Two triangles per cell, counter-clockwise, over the samples at the nodes.
   std::vector<std::array<int, 3>> triangles(const std::vector<int>& sample_of_node) const;
 
  private:

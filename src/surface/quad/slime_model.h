@@ -64,8 +64,9 @@ class SlimeModel {
   std::shared_ptr<const std::map<int, SlimeBasis>> bases_;
 };
 
-/// Factor rows of the thin plate: sum_r |sum_k w_rk c_k|^2 = sum over the patches of int |S_uu|^2 + 2 |S_uv|^2 +
-/// |S_vv|^2 over regular polygons of unit edges, mm^2.
+/// Thin plate, the smoothness of Stoddart et al.; fits use the bending energy of energies/bending.h, which works for
+/// every model. For programs that compare the two, and for tests. Factor rows: sum_r |sum_k w_rk c_k|^2 = sum over the
+/// patches of int |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over regular polygons of unit edges, mm^2.
 PointRows thin_plate_rows(const SlimeModel& model);
 
 /// One row per vertex: the point less the mean of its neighbours (Stoddart et al., Section 4: their pull towards the

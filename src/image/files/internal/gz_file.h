@@ -1,5 +1,5 @@
 #pragma once
-/// Reading a file that may or may not be gzipped, whatever its name says.
+/// Reading of files that may be gzipped, whatever their names.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,8 +36,8 @@ class GzFile {
   bool compressed_ = false;
 };
 
-/// Unpacks the zlib or gzip stream that starts at `offset` of a file and drops it. For decoders that do not look at
-/// zlib's verdict.
+/// Unpacks the zlib or gzip stream that starts at `offset` of a file and drops it. For decoders that ignore
+/// zlib's errors.
 /// \throws BadData: corrupt, or fewer than `bytes_expected` bytes; the message names `path`.
 void check_deflated(const std::filesystem::path& path, const std::filesystem::path& file, std::uint64_t offset,
                     std::uint64_t bytes_expected);

@@ -110,9 +110,9 @@ inline T handle_weight(const T& s0, const T& s1) {
   return T(0.5) + T(0.5) * (s1 - s0) * x2 / ((s0 + s1) * (x2 + T(kConvexScale * kConvexScale)));
 }
 
-/// Share a of the chord in the tangent t = a e - (a-1)/2 (h0 + h1).
+/// Factor a of the chord in the tangent t = a e - (a-1)/2 (h0 + h1).
 template <EdgeRule rule>
-inline constexpr double chord_share = rule == EdgeRule::convex_direction ? 2.0 : 1.5;
+inline constexpr double chord_factor = rule == EdgeRule::convex_direction ? 2.0 : 1.5;
 
 /// Everything that value, derivative and adjoint have in common.
 template <EdgeRule rule, class T>
@@ -143,7 +143,7 @@ struct EdgeTerms {
     return T(0.5) * (p0 + p1) + T(0.125) * (g0 * t0 - g1 * t1);
   }
   Vector3<T> tangent() const {
-    constexpr double a = chord_share<rule>;
+    constexpr double a = chord_factor<rule>;
     return T(a) * e - T(0.5 * (a - 1)) * (g0 * t0 + g1 * t1);
   }
   Vector3<T> mean_normal(const Vector3<T>& n0, const Vector3<T>& n1) const {
