@@ -38,12 +38,12 @@ class Console {
   /// The console as the host of a run: messages, the bar, and whether a signal asked to stop. It must outlive the run.
   Observer observer();
   /// Draws the bar, with the time that is left, when stderr is a terminal; at most ten times a second.
-  void progress(double share, const std::string& what);
+  void progress(double fraction, const std::string& what);
 
  private:
   void log(int level, const char* name, const std::string& message);
   void clear_bar();
-  std::string remaining(double share) const;
+  std::string remaining(double fraction) const;
 
   std::shared_ptr<spdlog::logger> logger_;
   ConsoleOptions options_;

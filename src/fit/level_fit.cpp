@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
@@ -55,9 +54,11 @@ std::vector<double> distances_of(const std::vector<Attachment>& at) {
 
 }  // namespace
 
-LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out)
+LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
+                   const Observer& observer)
     : data_(data),
       settings_(settings),
+      observer_(observer),
       hold_out_(hold_out),
       surface_(start),
       layout_(fit_layout(start.model)),
@@ -177,7 +178,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
   surface_.parameters = start_at_targets(surface_.model, layout_, targets);
   const std::vector<NamedRows> pull{{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)}};
   const auto pulled = [&](double factor) {
-    check_interrupt();
+    observer_.check_stopped();
     set_bending(factor);
     for (int k = 0; k < (linear_ ? 1 : 3); ++k) {
       if (!solve(pull).usable) break;
@@ -198,7 +199,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
 }
 
 void LevelFit::step() {
-  check_interrupt();
+  observer_.check_stopped();
   SurfaceSamples samples;
   evaluate(surface_.model, surface_.parameters, layout_, false, samples);
   const std::vector<Attachment> at = attach(chosen_, layout_, samples);

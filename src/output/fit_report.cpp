@@ -4,6 +4,7 @@
 
 #include "pellicle/output/report_json.h"
 #include "pellicle/picture/line_plot.h"
+#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 using json = nlohmann::ordered_json;
@@ -24,7 +25,7 @@ json fit_json(const FittedSurface& fitted, double diameter) {
   const PointFitSummary& s = fitted.fit.summary;
   json out;
   out["name"] = fitted.name;
-  out["status"] = fitted.status;
+  out["status"] = to_string(fitted.status);
   out["reason"] = fitted.reason;
   out["convergence"] = s.reason;
   out["model"] = {{"name", model_name(fitted.fit.surface.model)},
@@ -78,44 +79,47 @@ json report_of(const GeometryFitResult& result, const RunRecord& record) {
   const GeometryData& data = result.input.data;
   int rim_points = 0;
   for (const RimCurve& rim : data.rim) rim_points += rim.points;
-  report["input"] = {{"kind", result.input.kind},
-                     {"points", data.points.size()},
-                     {"closed_surface", data.surface.has_value()},
-                     {"genus", result.input.genus},
-                     {"rim_points", rim_points},
-                     {"diameter_mm", number_json(data.diameter)},
-                     {"bridged_mm", number_json(result.input.bridged_mm)},
-                     {"spherical_stretch", result.stretch > 0.0 ? number_json(result.stretch) : json(nullptr)}};
-  const FittedSurface& chosen = result.tried[result.chosen];
+  report["input"] = {
+      {"kind", to_string(result.input.kind)},
+      {"points", data.points.size()},
+      {"closed_surface", data.surface.has_value()},
+      {"genus", result.input.genus},
+      {"rim_points", rim_points},
+      {"diameter_mm", number_json(data.diameter)},
+      {"bridged_mm", number_json(result.input.bridged_mm)},
+      {"spherical_stretch", result.fit.sizes.stretch > 0.0 ? number_json(result.fit.sizes.stretch) : json(nullptr)}};
+  const FittedSurface& chosen = result.fit.sizes.best();
   json object = fit_json(chosen, data.diameter);
-  object["volume_ml"] = number_json(result.volume_ml);
-  object["area_mm2"] = number_json(result.area_mm2);
-  object["mesh"] = {{"vertices", result.mesh.vertices.size()}, {"triangles", result.mesh.triangles.size()}};
-  object["watertight"] = result.topology.closed && result.topology.manifold && result.topology.oriented;
-  object["components"] = result.topology.components;
+  object["volume_ml"] = number_json(result.fit.volume_ml);
+  object["area_mm2"] = number_json(result.fit.area_mm2);
+  object["mesh"] = {{"vertices", result.fit.mesh.vertices.size()}, {"triangles", result.fit.mesh.triangles.size()}};
+  object["watertight"] = result.fit.topology.closed && result.fit.topology.manifold && result.fit.topology.oriented;
+  object["components"] = result.fit.topology.components;
   report["object"] = object;
   json tried = json::array();
-  for (const auto& fitted : result.tried) tried.push_back(fit_json(fitted, data.diameter));
+  for (const auto& fitted : result.fit.sizes.tried) tried.push_back(fit_json(fitted, data.diameter));
   report["levels"] = tried;
   report["inputs"] = inputs_json(result.inputs);
   report["outputs"] = outputs_json(result.outputs);
-  report["warnings"] = result.input.warnings;
+  std::vector<std::string> warnings = result.input.warnings;
+  warnings.insert(warnings.end(), result.fit.sizes.warnings.begin(), result.fit.sizes.warnings.end());
+  report["warnings"] = warnings;
   add_cost(result.seconds, report);
   return report;
 }
 
-void write_ladder_picture(const std::filesystem::path& path, const GeometryFitResult& result) {
-  LinePlot plot{"residual of " + result.input.file.filename().string(), "control points", "% of the diameter", {}};
+Canvas ladder_picture(const GeometryFitResult& result) {
+  LinePlot plot{"residual of " + result.file.filename().string(), "control points", "% of the diameter", {}};
   plot.curves = {{"max", {214, 96, 77}, {}}, {"95th percentile", {230, 171, 60}, {}}, {"rms", {67, 147, 195}, {}}};
   const double percent = 100.0 / result.input.data.diameter;
-  for (const auto& fitted : result.tried) {
+  for (const auto& fitted : result.fit.sizes.tried) {
     const PointFitSummary& s = fitted.fit.summary;
     const double x = s.control_points;
     plot.curves[0].points.emplace_back(x, percent * s.to_surface.max);
     plot.curves[1].points.emplace_back(x, percent * s.to_surface.p95);
     plot.curves[2].points.emplace_back(x, percent * s.to_surface.rms);
   }
-  write_png(path, draw_line_plot(plot, 900, 640));
+  return draw_line_plot(plot, 900, 640);
 }
 
 }  // namespace pellicle

@@ -3,14 +3,14 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pellicle/output/fit_points.h"
+#include "pellicle/output/fit_files.h"
+#include "pellicle/picture/canvas.h"
 
 namespace pellicle {
 
 nlohmann::ordered_json report_of(const GeometryFitResult& result, const RunRecord& record);
 
 /// Residuals (rms, 95th percentile, max; % of the diameter) against the number of control points, both logarithmic.
-/// \throws CannotCreate, IoError.
-void write_ladder_picture(const std::filesystem::path& path, const GeometryFitResult& result);
+Canvas ladder_picture(const GeometryFitResult& result);
 
 }  // namespace pellicle

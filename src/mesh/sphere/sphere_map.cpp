@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/base/interrupt.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/sphere/internal/collapse.h"
 #include "pellicle/mesh/sphere/internal/stretch.h"
@@ -44,9 +43,10 @@ Polygon clipped(const Polygon& in, double c, const Eigen::Vector2d& g) {
 
 class Mapper {
  public:
-  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings)
+  Mapper(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer)
       : mesh_(mesh),
         settings_(settings),
+        observer_(observer),
         collapsed_(mesh),
         place_(mesh.vertices.size(), Vec3::Zero()),
         importance_(mesh.vertices.size(), 1.0) {
@@ -61,7 +61,7 @@ class Mapper {
     while (collapsed_.vertex_count() < most) {
       insert(collapsed_.split());
       if (collapsed_.vertex_count() >= next || collapsed_.vertex_count() == most) {
-        check_interrupt();
+        observer_.check_stopped();
         relax_all(collapsed_.vertex_count() < 500 ? 2 * settings_.sweeps : settings_.sweeps);
         next = std::max(next + 4, collapsed_.vertex_count() * 5 / 4);
       }
@@ -276,6 +276,7 @@ class Mapper {
 
   const TriangleMesh& mesh_;
   const SphereMapSettings& settings_;
+  const Observer& observer_;
   CollapsedMesh collapsed_;
   std::vector<Vec3> place_;
   std::vector<double> importance_;
@@ -284,7 +285,7 @@ class Mapper {
 
 }  // namespace
 
-SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings) {
+SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings, const Observer& observer) {
   check_indices(mesh);
   const MeshTopology topology = topology_of(mesh);
   if (!topology.closed || !topology.manifold || !topology.oriented) {
@@ -308,7 +309,7 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
     }
     used.triangles.push_back(renumbered);
   }
-  return Mapper(used, settings).run();
+  return Mapper(used, settings, observer).run();
 }
 
 }  // namespace pellicle

@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "pellicle/base/observer.h"
 #include "pellicle/mesh/triangle_mesh.h"
 
 namespace pellicle {
@@ -31,7 +32,8 @@ struct SphereMap {
 };
 
 /// \throws BadData unless `mesh` is closed, manifold, oriented, outward, connected and of genus 0.
-SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings = {});
+SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& settings = {},
+                        const Observer& observer = {});
 
 /// Radius of the largest ball inside the surface that touches it at each vertex, mm, by shrinking (Ma, Bae, Choi 2012);
 /// averaged over neighbours, since the ball at a sharp edge is empty.

@@ -7,8 +7,10 @@
   function element(tag, attributes = {}, ...children) {
     const node = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes)) {
-      if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
-      else if (value !== null && value !== undefined) node.setAttribute(name, value);
+      if (name.startsWith('on'))
+        node.addEventListener(name.slice(2), value);
+      else if (value !== null && value !== undefined)
+        node.setAttribute(name, value);
     }
     node.append(...children.filter((child) => child !== null && child !== undefined));
     return node;
@@ -17,11 +19,14 @@
   function number(x, digits = 4) {
     if (!isNumber(x)) return '\u2013';
     const size = Math.abs(x);
-    if (x !== 0 && (size < 1e-3 || size >= 1e6)) return String(Number(x.toPrecision(Math.min(digits, 3))).toExponential());
+    if (x !== 0 && (size < 1e-3 || size >= 1e6))
+      return String(Number(x.toPrecision(Math.min(digits, 3))).toExponential());
     return String(Number(x.toPrecision(size >= 1000 ? Math.max(digits, Math.floor(Math.log10(size)) + 1) : digits)));
   }
-  const kindOf = (status) => status === 'ok' ? 'ok' : status === 'pending' ? 'pending'
-    : ['doubtful', 'ambiguous', 'not_converged'].includes(status) ? 'doubt' : 'bad';
+  const kindOf = (status) => status === 'ok'                      ? 'ok' :
+      status === 'pending'                                        ? 'pending' :
+      ['doubtful', 'ambiguous', 'not_converged'].includes(status) ? 'doubt' :
+                                                                    'bad';
   const statusMark = (status) => element('span', {class: `status ${kindOf(status)}`}, status.replace(/_/g, ' '));
   const rank = {bad: 0, doubt: 1, pending: 2, ok: 3};
 
@@ -29,9 +34,19 @@
   const columns = [
     {title: 'Status', cell: (c) => statusMark(c.status), value: (c) => rank[kindOf(c.status)] + c.status},
     {title: 'Case', cell: (c) => c.name, value: (c) => c.name},
-    {title: '', cell: (c) => c.picture ? element('img', {class: 'thumb', src: c.picture, alt: `slices of ${c.name}`, loading: 'lazy'}) : ''},
+    {
+      title: '',
+      cell: (c) =>
+          c.picture ? element('img', {class: 'thumb', src: c.picture, alt: `slices of ${c.name}`, loading: 'lazy'}) : ''
+    },
     {title: 'Volume, ml', number: true, cell: (c) => number(c.volume_ml), value: (c) => c.volume_ml},
-    {title: 'Objects', number: true, wide: true, cell: (c) => number(c.objects.length || null), value: (c) => c.objects.length},
+    {
+      title: 'Objects',
+      number: true,
+      wide: true,
+      cell: (c) => number(c.objects.length || null),
+      value: (c) => c.objects.length
+    },
     {title: 'Evidence', number: true, wide: true, cell: (c) => number(c.evidence, 3), value: (c) => c.evidence},
     {title: 'Time, s', number: true, wide: true, cell: (c) => number(c.seconds, 3), value: (c) => c.seconds},
     {title: 'Why', message: true, wide: true, cell: (c) => element('span', {}, c.reason), value: (c) => c.reason},
@@ -71,24 +86,40 @@
   }
   function rowOf(c) {
     if (!rows.has(c.index)) {
-      const cells = columns.map((column) => element('td', {class: classesOf(column), title: column.message ? c.reason : null}, column.cell(c)));
-      rows.set(c.index, element('tr', {tabindex: '0', 'data-index': c.index, 'aria-selected': 'false',
-        onclick: () => choose(c.index), onkeydown: (e) => { if (e.key === 'Enter') choose(c.index, true); }}, ...cells));
+      const cells = columns.map(
+          (column) =>
+              element('td', {class: classesOf(column), title: column.message ? c.reason : null}, column.cell(c)));
+      rows.set(
+          c.index,
+          element(
+              'tr', {
+                tabindex: '0',
+                'data-index': c.index,
+                'aria-selected': 'false',
+                onclick: () => choose(c.index),
+                onkeydown: (e) => {
+                  if (e.key === 'Enter') choose(c.index, true);
+                }
+              },
+              ...cells));
     }
     return rows.get(c.index);
   }
   function fillBody() {
     const wanted = state.filter.toLowerCase();
-    state.order = data.cases.filter((c) => `${c.name} ${c.status} ${c.status.replace(/_/g, ' ')}`.toLowerCase().includes(wanted));
+    state.order =
+        data.cases.filter((c) => `${c.name} ${c.status} ${c.status.replace(/_/g, ' ')}`.toLowerCase().includes(wanted));
     state.order.sort((a, b) => compare(a, b) || a.index - b.index);
     $('table').tBodies[0].replaceChildren(...state.order.map(rowOf));
-    $('shown').textContent = state.order.length === data.cases.length ? '' : `${state.order.length} of ${data.cases.length}`;
+    $('shown').textContent =
+        state.order.length === data.cases.length ? '' : `${state.order.length} of ${data.cases.length}`;
   }
   function fillCounts() {
     const counts = new Map();
     for (const c of data.cases) counts.set(c.status, (counts.get(c.status) || 0) + 1);
     const sorted = [...counts].sort((a, b) => rank[kindOf(a[0])] - rank[kindOf(b[0])] || b[1] - a[1]);
-    $('counts').replaceChildren(...sorted.map(([status, count]) => element('span', {}, `${count} `, statusMark(status))));
+    $('counts').replaceChildren(
+        ...sorted.map(([status, count]) => element('span', {}, `${count} `, statusMark(status))));
   }
 
   // ---- plots ----
@@ -99,12 +130,17 @@
     if (text !== undefined) node.textContent = text;
     return node;
   }
-  // curves: [{name, points: [[step, value]...]}], stages: [{name, from, to}] in steps; logarithmic where all is positive.
+  // curves: [{name, points: [[step, value]...]}], stages: [{name, from, to}] in steps; logarithmic where all is
+  // positive.
   function plot(holder, curves, stages) {
     const values = curves.flatMap((curve) => curve.points.map((p) => p[1])).filter((v) => isNumber(v) && v > 0);
-    if (values.length === 0) { holder.replaceChildren(element('p', {}, element('small', {}, 'No steps were kept in this report.'))); return; }
+    if (values.length === 0) {
+      holder.replaceChildren(element('p', {}, element('small', {}, 'No steps were kept in this report.')));
+      return;
+    }
     const width = 580, height = 250, left = 52, right = 8, top = 20, bottom = 26;
-    const low = Math.log10(Math.max(Math.min(...values), Math.max(...values) * 1e-8)), high = Math.log10(Math.max(...values));
+    const low = Math.log10(Math.max(Math.min(...values), Math.max(...values) * 1e-8)),
+          high = Math.log10(Math.max(...values));
     const pad = Math.max(0.05, 0.06 * (high - low)), y0 = low - pad, y1 = high + pad;
     const steps = Math.max(1, ...stages.map((s) => s.to));
     const x = (step) => left + (width - left - right) * step / steps;
@@ -112,26 +148,34 @@
     const svg = shape('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img'});
     const every = Math.max(1, Math.ceil((y1 - y0) / 6));
     let ticks = [];
-    for (let power = Math.ceil(y0); power <= y1; ++power) if (power % every === 0) ticks.push(10 ** power);
+    for (let power = Math.ceil(y0); power <= y1; ++power)
+      if (power % every === 0) ticks.push(10 ** power);
     if (ticks.length < 2) ticks = [10 ** (y0 + 0.1 * (y1 - y0)), 10 ** ((y0 + y1) / 2), 10 ** (y1 - 0.1 * (y1 - y0))];
     for (const tick of ticks) {
       svg.append(shape('line', {class: 'grid', x1: left, x2: width - right, y1: y(tick), y2: y(tick)}));
       svg.append(shape('text', {x: left - 6, y: y(tick) + 4, 'text-anchor': 'end'}, number(tick, 2)));
     }
     stages.forEach((stage, i) => {
-      if (i > 0) svg.append(shape('line', {class: 'stage', x1: x(stage.from), x2: x(stage.from), y1: top, y2: height - bottom}));
+      if (i > 0)
+        svg.append(shape('line', {class: 'stage', x1: x(stage.from), x2: x(stage.from), y1: top, y2: height - bottom}));
       if (x(stage.to) - x(stage.from) > 7 * stage.name.length || i === stages.length - 1) {
         const last = i === stages.length - 1;
-        svg.append(shape('text', {x: last ? width - right : x(stage.from) + 3, y: top - 7, 'text-anchor': last ? 'end' : 'start'}, stage.name));
+        svg.append(shape(
+            'text', {x: last ? width - right : x(stage.from) + 3, y: top - 7, 'text-anchor': last ? 'end' : 'start'},
+            stage.name));
       }
     });
     const spacing = Math.max(1, Math.ceil(steps / 10));
-    for (let step = 0; step <= steps; step += spacing) svg.append(shape('text', {x: x(step), y: height - 9, 'text-anchor': 'middle'}, String(step)));
+    for (let step = 0; step <= steps; step += spacing)
+      svg.append(shape('text', {x: x(step), y: height - 9, 'text-anchor': 'middle'}, String(step)));
     curves.forEach((curve, i) => {
       const color = palette[i % palette.length];
       let path = '', open = false;
       for (const [step, value] of curve.points) {
-        if (!(isNumber(value) && value > 0 && Math.log10(value) >= y0)) { open = false; continue; }
+        if (!(isNumber(value) && value > 0 && Math.log10(value) >= y0)) {
+          open = false;
+          continue;
+        }
         path += `${open ? 'L' : 'M'}${x(step).toFixed(1)} ${y(value).toFixed(1)}`;
         open = true;
         const dot = shape('circle', {cx: x(step), cy: y(value), r: 2.4, fill: color});
@@ -141,7 +185,11 @@
       svg.append(shape('path', {d: path, fill: 'none', stroke: color, 'stroke-width': 1.8}));
     });
     const legend = element('div', {class: 'legend'});
-    if (curves.length > 1) curves.forEach((curve, i) => legend.append(element('span', {}, element('span', {class: 'swatch', style: `background:${palette[i % palette.length]}`}), curve.name)));
+    if (curves.length > 1)
+      curves.forEach(
+          (curve, i) => legend.append(element(
+              'span', {}, element('span', {class: 'swatch', style: `background:${palette[i % palette.length]}`}),
+              curve.name)));
     holder.replaceChildren(svg, legend);
   }
   function drawPlots(object) {
@@ -167,8 +215,13 @@
 
   // ---- the chosen case ----
   function table(rowsOfCells, className) {
-    return element('table', {class: className}, element('tbody', {}, ...rowsOfCells.map(([head, ...cells]) =>
-      element('tr', {}, element('th', {scope: 'row'}, head), ...cells.map((cell) => element('td', {}, cell))))));
+    return element(
+        'table', {class: className},
+        element(
+            'tbody', {},
+            ...rowsOfCells.map(
+                ([head, ...cells]) => element(
+                    'tr', {}, element('th', {scope: 'row'}, head), ...cells.map((cell) => element('td', {}, cell))))));
   }
   function factsOf(c, object, i) {
     const color = `rgb(${object.color.join(',')})`;
@@ -187,8 +240,17 @@
       ['Touches the border', object.touches_border ? 'yes' : 'no'],
     ];
     const title = c.objects.length > 1 ? `${object.label} ${object.name}` : 'Surface';
-    const body = [element('h3', {}, element('span', {class: 'swatch', style: `background:${color}`}), title), table(facts, 'facts')];
-    return c.objects.length > 1 && i > 0 ? [element('details', {}, element('summary', {}, element('span', {class: 'swatch', style: `background:${color}`}), `${title}: ${object.status}, ${number(object.volume_ml)} ml`), body[1])] : body;
+    const body = [
+      element('h3', {}, element('span', {class: 'swatch', style: `background:${color}`}), title), table(facts, 'facts')
+    ];
+    return c.objects.length > 1 && i > 0 ?
+        [element(
+            'details', {},
+            element(
+                'summary', {}, element('span', {class: 'swatch', style: `background:${color}`}),
+                `${title}: ${object.status}, ${number(object.volume_ml)} ml`),
+            body[1])] :
+        body;
   }
   function valueText(value) { return typeof value === 'string' ? value : JSON.stringify(value); }
   const known = (x) => isNumber(x) && x < 0 ? null : x;  // -1: not measured
@@ -196,26 +258,56 @@
     const parts = [];
     const object = c.objects[0];
     if (object && object.stages.length) {
-      const head = element('tr', {}, ...['Stage', 'Control points', 'Samples', 'Steps', 'Ended', 'Last move, mm', 'Edge distance, rms mm', 'Time, s'].map((t) => element('th', {}, t)));
-      const lines = object.stages.map((s) => element('tr', {}, ...[s.name, s.control_points, s.samples, s.steps, s.reason, number(known(s.last_move_mm), 3), number(known(s.rms_residual_mm), 3), number(s.seconds, 3)].map((t) => element('td', {}, String(t)))));
-      parts.push(element('details', {open: ''}, element('summary', {}, 'Stages of the fit'), element('table', {}, element('tbody', {}, head, ...lines))));
+      const head = element(
+          'tr', {},
+          ...['Stage', 'Control points', 'Samples', 'Steps', 'Ended', 'Last move, mm', 'Edge distance, rms mm',
+              'Time, s']
+              .map((t) => element('th', {}, t)));
+      const lines = object.stages.map(
+          (s) => element(
+              'tr', {},
+              ...[s.name, s.control_points, s.samples, s.steps, s.reason, number(known(s.last_move_mm), 3),
+                  number(known(s.rms_residual_mm), 3), number(s.seconds, 3)]
+                  .map((t) => element('td', {}, String(t)))));
+      parts.push(element(
+          'details', {open: ''}, element('summary', {}, 'Stages of the fit'),
+          element('table', {}, element('tbody', {}, head, ...lines))));
     }
     if (object && object.hypotheses.length > 1) {
-      const head = element('tr', {}, ...['Reading', 'Status', 'Evidence', 'Volume, ml', ''].map((t) => element('th', {}, t)));
-      const lines = object.hypotheses.map((h) => element('tr', {}, ...[h.name, h.status, number(h.evidence, 3), number(h.volume_ml), h.chosen ? 'chosen' : ''].map((t) => element('td', {}, t))));
-      parts.push(element('details', {}, element('summary', {}, 'Readings of the image that were tried'), element('table', {}, element('tbody', {}, head, ...lines))));
+      const head =
+          element('tr', {}, ...['Reading', 'Status', 'Evidence', 'Volume, ml', ''].map((t) => element('th', {}, t)));
+      const lines = object.hypotheses.map(
+          (h) => element(
+              'tr', {},
+              ...[h.name, h.status, number(h.evidence, 3), number(h.volume_ml), h.chosen ? 'chosen' : ''].map(
+                  (t) => element('td', {}, t))));
+      parts.push(element(
+          'details', {}, element('summary', {}, 'Readings of the image that were tried'),
+          element('table', {}, element('tbody', {}, head, ...lines))));
     }
-    if (c.settings) parts.push(element('details', {}, element('summary', {}, 'Settings'), table(Object.entries(c.settings).filter(([, v]) => v !== null).map(([k, v]) => [k, k === 'stage' ? element('pre', {}, JSON.stringify(v, null, 1)) : valueText(v)]))));
+    if (c.settings)
+      parts.push(element(
+          'details', {}, element('summary', {}, 'Settings'),
+          table(
+              Object.entries(c.settings)
+                  .filter(([, v]) => v !== null)
+                  .map(([k,
+                         v]) => [k, k === 'stage' ? element('pre', {}, JSON.stringify(v, null, 1)) : valueText(v)]))));
     if (c.provenance) {
       const p = c.provenance;
-      const lines = [['Finished', p.finished], ['Program', `${p.program} (${Object.entries(p.libraries).map(([n, v]) => `${n} ${v}`).join(', ')})`],
+      const lines = [
+        ['Finished', p.finished],
+        ['Program', `${p.program} (${Object.entries(p.libraries).map(([n, v]) => `${n} ${v}`).join(', ')})`],
         ['Command', element('code', {}, p.command)], ['Report', element('code', {}, p.report)],
         ...p.inputs.map((f) => [`Input: ${f.role}`, element('code', {}, `${f.path}\nsha256 ${f.sha256}`)]),
         ...p.outputs.map((f) => [`Output: ${f.kind}`, element('code', {}, `${f.path}\nsha256 ${f.sha256}`)]),
-        ['Grid', p.grid], ['Time', p.seconds], ['Largest memory', p.memory]];
+        ['Grid', p.grid], ['Time', p.seconds], ['Largest memory', p.memory]
+      ];
       parts.push(element('details', {}, element('summary', {}, 'Provenance'), table(lines)));
     }
-    if (c.warnings && c.warnings.length) parts.unshift(element('details', {open: ''}, element('summary', {}, 'Warnings'), ...c.warnings.map((w) => element('p', {}, w))));
+    if (c.warnings && c.warnings.length)
+      parts.unshift(element(
+          'details', {open: ''}, element('summary', {}, 'Warnings'), ...c.warnings.map((w) => element('p', {}, w))));
     return parts;
   }
   function choose(index, focus) {
@@ -238,7 +330,10 @@
   }
 
   // ---- viewer ----
-  const views = [['Slices and surface', 'multi'], ['Axial', 'axial'], ['Coronal', 'coronal'], ['Sagittal', 'sagittal'], ['Surface', 'render']];
+  const views = [
+    ['Slices and surface', 'multi'], ['Axial', 'axial'], ['Coronal', 'coronal'], ['Sagittal', 'sagittal'],
+    ['Surface', 'render']
+  ];
   const viewer = {promise: null, nv: null, mesh: null, view: 'multi', surface: true, request: 0};
 
   function bytesOf(id) {
@@ -254,38 +349,64 @@
   async function makeViewer() {
     if (!$('niivue').textContent.trim()) throw new Error('This page was made without the viewer.');
     if (typeof DecompressionStream === 'undefined') throw new Error('This browser is too old for the viewer.');
-    if (!document.createElement('canvas').getContext('webgl2')) throw new Error('This browser has no WebGL 2, so there is no viewer.');
+    if (!document.createElement('canvas').getContext('webgl2'))
+      throw new Error('This browser has no WebGL 2, so there is no viewer.');
     const script = element('script');
     script.textContent = new TextDecoder().decode(await unpacked('niivue'));
     document.head.append(script);
-    const nv = new window.niivue.Niivue({backColor: [0.047, 0.051, 0.063, 1], show3Dcrosshair: false, isOrientCube: false, dragAndDropEnabled: false,
-      logLevel: 'error', isRadiologicalConvention: true, isSliceMM: true, crosshairWidth: 0.25, crosshairWidthUnit: 'percent', crosshairColor: [0.34, 0.71, 0.91, 0.6], fontColor: [0.85, 0.87, 0.9, 1], fontSizeScaling: 0.35, meshThicknessOn2D: 0,
-      loadingText: '', multiplanarPadPixels: 4, isCornerOrientationText: true});
+    const nv = new window.niivue.Niivue({
+      backColor: [0.047, 0.051, 0.063, 1],
+      show3Dcrosshair: false,
+      isOrientCube: false,
+      dragAndDropEnabled: false,
+      logLevel: 'error',
+      isRadiologicalConvention: true,
+      isSliceMM: true,
+      crosshairWidth: 0.25,
+      crosshairWidthUnit: 'percent',
+      crosshairColor: [0.34, 0.71, 0.91, 0.6],
+      fontColor: [0.85, 0.87, 0.9, 1],
+      fontSizeScaling: 0.35,
+      meshThicknessOn2D: 0,
+      loadingText: '',
+      multiplanarPadPixels: 4,
+      isCornerOrientationText: true
+    });
     await nv.attachToCanvas($('canvas'));
     nv.setInterpolation(false);
-    // In space the surface alone is shown; in the slices its exact cut is drawn over them, after each drawing of the scene.
+    // In space the surface alone is shown; in the slices its exact cut is drawn over them, after each drawing of the
+    // scene.
     nv.drawImage3D = () => {};
     const draw = nv.drawSceneCore.bind(nv);
-    nv.drawSceneCore = () => { const text = draw(); drawCuts(nv); return text; };
+    nv.drawSceneCore = () => {
+      const text = draw();
+      drawCuts(nv);
+      return text;
+    };
     return nv;
   }
   // MZ3: header, corners of the triangles, positions in RAS mm, colours.
   function parsedMesh(buffer) {
     const view = new DataView(buffer), triangles = view.getUint32(4, true), vertices = view.getUint32(8, true);
     let at = 16 + view.getUint32(12, true);
-    const corners = new Uint32Array(buffer.slice(at, at += 12 * triangles)), points = new Float32Array(buffer.slice(at, at += 12 * vertices));
+    const corners = new Uint32Array(buffer.slice(at, at += 12 * triangles)),
+          points = new Float32Array(buffer.slice(at, at += 12 * vertices));
     return {corners, points, colors: new Uint8Array(buffer.slice(at, at + 4 * vertices))};
   }
   function drawCuts(nv) {
     const screen = $('canvas'), sheet = $('cuts'), pen = sheet.getContext('2d');
-    if (sheet.width !== screen.width || sheet.height !== screen.height) { sheet.width = screen.width; sheet.height = screen.height; }
+    if (sheet.width !== screen.width || sheet.height !== screen.height) {
+      sheet.width = screen.width;
+      sheet.height = screen.height;
+    }
     pen.clearRect(0, 0, sheet.width, sheet.height);
     if (!viewer.mesh || !viewer.surface) return;
     pen.lineWidth = 1.7 * (window.devicePixelRatio || 1);
     pen.lineCap = 'round';
     // World axes that run to the right, up and through the picture.
     const axes = [[0, 1, 2], [0, 2, 1], [1, 2, 0]];
-    for (const slice of nv.screenSlices) if (slice.axCorSag <= 2 && slice.AxyzMxy.length >= 5) drawCut(pen, viewer.mesh, slice, axes[slice.axCorSag]);
+    for (const slice of nv.screenSlices)
+      if (slice.axCorSag <= 2 && slice.AxyzMxy.length >= 5) drawCut(pen, viewer.mesh, slice, axes[slice.axCorSag]);
   }
   function drawCut(pen, {corners, points, colors}, slice, [right, up, through]) {
     const [left, top, width, height] = slice.leftTopWidthHeight, plane = slice.AxyzMxy;
@@ -324,10 +445,17 @@
   }
   function setView(name) {
     viewer.view = name;
-    for (const button of $('views').querySelectorAll('[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === name));
+    for (const button of $('views').querySelectorAll('[data-view]'))
+      button.setAttribute('aria-pressed', String(button.dataset.view === name));
     const nv = viewer.nv;
     if (!nv) return;
-    const type = {axial: nv.sliceTypeAxial, coronal: nv.sliceTypeCoronal, sagittal: nv.sliceTypeSagittal, render: nv.sliceTypeRender, multi: nv.sliceTypeMultiplanar}[name];
+    const type = {
+      axial: nv.sliceTypeAxial,
+      coronal: nv.sliceTypeCoronal,
+      sagittal: nv.sliceTypeSagittal,
+      render: nv.sliceTypeRender,
+      multi: nv.sliceTypeMultiplanar
+    }[name];
     nv.opts.multiplanarShowRender = 1;
     nv.setMultiplanarLayout(2);
     nv.setSliceType(type);
@@ -346,14 +474,21 @@
     document.body.dataset.viewer = 'loading';
     const files = c.files || {};
     $('stage').classList.toggle('fixed', !files.volume && !files.mesh);
-    if (!files.volume && !files.mesh) { document.body.dataset.viewer = 'none'; return; }
+    if (!files.volume && !files.mesh) {
+      document.body.dataset.viewer = 'none';
+      return;
+    }
     try {
       viewer.promise = viewer.promise || makeViewer();
       const nv = viewer.nv = await viewer.promise;
       const {NVImage, NVMesh} = window.niivue;
-      const volume = files.volume ? await NVImage.loadFromBase64({base64: base64Of(files.volume), name: 'volume.nii.gz', cal_min: 0, cal_max: 255}) : null;
+      const volume = files.volume ?
+          await NVImage.loadFromBase64(
+              {base64: base64Of(files.volume), name: 'volume.nii.gz', cal_min: 0, cal_max: 255}) :
+          null;
       const packed = files.mesh ? await unpacked(files.mesh) : null;
-      const mesh = packed ? await NVMesh.readMesh(packed, 'surface.mz3', nv.gl, 1, new Uint8Array([230, 159, 0, 255])) : null;
+      const mesh =
+          packed ? await NVMesh.readMesh(packed, 'surface.mz3', nv.gl, 1, new Uint8Array([230, 159, 0, 255])) : null;
       if (request !== viewer.request) return;
       while (nv.meshes.length) nv.removeMesh(nv.meshes[0]);
       while (nv.volumes.length) nv.removeVolume(nv.volumes[0]);
@@ -378,21 +513,43 @@
   }
 
   // ---- start ----
-  data.cases.forEach((c, index) => { c.index = index; });
-  views.forEach(([title, name]) => $('views').append(element('button', {type: 'button', 'data-view': name, 'aria-pressed': String(name === viewer.view), onclick: () => setView(name)}, title)));
-  $('views').append(element('button', {type: 'button', id: 'surface', 'aria-pressed': 'true', onclick: () => setSurface(!viewer.surface)}, 'Show surface'));
-  $('filter').addEventListener('input', (e) => { state.filter = e.target.value; fillBody(); });
+  data.cases.forEach((c, index) => {
+    c.index = index;
+  });
+  views.forEach(
+      ([title, name]) => $('views').append(element(
+          'button', {
+            type: 'button',
+            'data-view': name,
+            'aria-pressed': String(name === viewer.view),
+            onclick: () => setView(name)
+          },
+          title)));
+  $('views').append(element(
+      'button', {type: 'button', id: 'surface', 'aria-pressed': 'true', onclick: () => setSurface(!viewer.surface)},
+      'Show surface'));
+  $('filter').addEventListener('input', (e) => {
+    state.filter = e.target.value;
+    fillBody();
+  });
   document.addEventListener('keydown', (e) => {
     if (e.ctrlKey || e.metaKey || e.altKey || e.target === $('filter') && e.key !== 'Escape') return;
     const at = state.order.findIndex((c) => c.index === state.chosen);
     const onTable = e.target.closest && e.target.closest('#table tbody');
-    if ((e.key === 'j' || (onTable && e.key === 'ArrowDown')) && at + 1 < state.order.length) choose(state.order[at + 1].index);
-    else if ((e.key === 'k' || (onTable && e.key === 'ArrowUp')) && at > 0) choose(state.order[at - 1].index);
-    else if (e.key >= '1' && e.key <= '5') setView(views[Number(e.key) - 1][1]);
-    else if (e.key === 's') setSurface(!viewer.surface);
-    else if (e.key === '/') $('filter').focus();
-    else if (e.key === 'Escape') $('filter').blur();
-    else return;
+    if ((e.key === 'j' || (onTable && e.key === 'ArrowDown')) && at + 1 < state.order.length)
+      choose(state.order[at + 1].index);
+    else if ((e.key === 'k' || (onTable && e.key === 'ArrowUp')) && at > 0)
+      choose(state.order[at - 1].index);
+    else if (e.key >= '1' && e.key <= '5')
+      setView(views[Number(e.key) - 1][1]);
+    else if (e.key === 's')
+      setSurface(!viewer.surface);
+    else if (e.key === '/')
+      $('filter').focus();
+    else if (e.key === 'Escape')
+      $('filter').blur();
+    else
+      return;
     e.preventDefault();
     e.stopPropagation();
     if (onTable && rows.has(state.chosen)) rows.get(state.chosen).focus();

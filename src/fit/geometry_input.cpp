@@ -1,45 +1,32 @@
-#include "pellicle/output/geometry_input.h"
+#include "pellicle/fit/geometry_input.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/profiles.h"
-#include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/mesh/points/rim.h"
-#include "pellicle/output/seed_files.h"
 #include "pellicle/raster/closed_solid.h"
 #include "pellicle/raster/cup.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/open_seed.h"
 
 namespace pellicle {
-namespace fs = std::filesystem;
 
 namespace {
 
 constexpr int kMeshSamples = 40000;
 constexpr std::size_t kLeastPoints = 10;
 
-bool is_mesh_file(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<const char*, 6> known{".ply", ".stl", ".obj", ".off", ".vtp", ".gii"};
-  return std::find(known.begin(), known.end(), extension) != known.end();
-}
-
-/// Points whose neighbours are much further away than is usual: 1 for those that are not. \param tree of all points or
-/// of some, evenly chosen.
+/// 0 for points whose neighbours are much further away than is usual, 1 for the others.
+/// \param tree of all points or of some, evenly chosen.
 std::vector<std::uint8_t> near_others(const std::vector<Vec3>& points, const PointTree& tree) {
   constexpr int kNeighbours = 6;
   constexpr double kFar = 5.0;
@@ -85,7 +72,7 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, std::size_t most) {
   return out;
 }
 
-// Data that end: their rim, and a body that is closed there by lids. A rough body tells the rim.
+// Open data: their rim, found by a rough body, and a body that lids close there.
 void take_rim(const std::string& name, const std::vector<Vec3>& points, GeometryInput& input) {
   const PointTree tree(points);
   const double spacing = point_spacing(tree);
@@ -102,7 +89,7 @@ void take_rim(const std::string& name, const std::vector<Vec3>& points, Geometry
   }
 }
 
-void lay_shell(const std::string& name, GeometryInput& input) {
+void enclose(const std::string& name, GeometryInput& input) {
   const PointTree tree(thinned(input.data.points, 200000));
   std::vector<std::uint8_t> near = near_others(input.data.points, tree);
   if (input.open) {
@@ -149,23 +136,39 @@ void lay_shell(const std::string& name, GeometryInput& input) {
   });
 }
 
-GeometryInput from_points(const fs::path& path, bool open) {
+}  // namespace
+
+std::string to_string(GeometryKind kind) {
+  switch (kind) {
+    case GeometryKind::points:
+      return "points";
+    case GeometryKind::grid:
+      return "grid";
+    case GeometryKind::mesh:
+      return "mesh";
+    case GeometryKind::mask:
+      return "mask";
+  }
+  return "";
+}
+
+GeometryInput geometry_of_points(PointCloud cloud, const std::string& name, bool open) {
   GeometryInput input;
+  input.name = name;
   input.open = open;
-  PointCloud cloud = read_points(path);
-  input.kind = cloud.grid ? "grid" : "points";
+  input.kind = cloud.grid ? GeometryKind::grid : GeometryKind::points;
   if (cloud.points.size() < kLeastPoints) {
-    throw BadData(fmt::format("too few points ({}): it holds {}, a surface takes {} or more", path.string(),
-                              cloud.points.size(), kLeastPoints));
+    throw BadData(fmt::format("too few points ({}): it holds {}, a surface takes {} or more", name, cloud.points.size(),
+                              kLeastPoints));
   }
   input.data.points = std::move(cloud.points);
   input.data.weights = std::move(cloud.weights);
   if (!input.data.weights.empty() && *std::max_element(input.data.weights.begin(), input.data.weights.end()) <= 0.0) {
-    throw BadData(fmt::format("no weight ({}): every point has weight 0", path.string()));
+    throw BadData(fmt::format("no weight ({}): every point has weight 0", name));
   }
   input.grid = std::move(cloud.grid);
   if (input.grid && open) {
-    throw SettingError("bad value", "open, input", path.string(),
+    throw SettingError("bad value", "open, input", name,
                        "a grid of points is interpolated; leave `open` out (spline-cylinder and spline-rectangle are "
                        "open)");
   }
@@ -173,17 +176,17 @@ GeometryInput from_points(const fs::path& path, bool open) {
     input.data.robust = false;
     input.data.diameter = diameter_of(input.data.points);
   } else {
-    lay_shell(path.string(), input);
+    enclose(name, input);
   }
   return input;
 }
 
-GeometryInput from_mesh(const fs::path& path, bool open) {
+GeometryInput geometry_of_mesh(TriangleMesh mesh, const std::string& name, bool open) {
   GeometryInput input;
   input.open = open;
-  input.kind = "mesh";
-  TriangleMesh mesh = read_mesh(path);
-  if (!(area_of(mesh) > 0.0)) throw BadData(fmt::format("cannot fit ({}): its facets have no area", path.string()));
+  input.name = name;
+  input.kind = GeometryKind::mesh;
+  if (!(area_of(mesh) > 0.0)) throw BadData(fmt::format("cannot fit ({}): its facets have no area", name));
   const MeshTopology topology = topology_of(mesh);
   const bool surface = topology.closed && topology.manifold && topology.oriented && topology.components == 1;
   if (!surface || open) {
@@ -193,7 +196,7 @@ GeometryInput from_mesh(const fs::path& path, bool open) {
           topology.first_fault.empty() ? fmt::format("{} parts", topology.components) : topology.first_fault));
     }
     input.data.points = sample_surface(mesh, 3 * kMeshSamples);
-    lay_shell(path.string(), input);
+    enclose(name, input);
     return input;
   }
   input.genus = topology.genus;
@@ -214,21 +217,12 @@ GeometryInput from_mesh(const fs::path& path, bool open) {
   return input;
 }
 
-GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
+GeometryInput geometry_of_mask(Image<std::uint8_t> mask, const std::string& name) {
   GeometryInput input;
-  input.kind = "mask";
-  const LabelVolume volume = read_labels(argument.file);
-  Image<std::uint8_t> mask(volume.labels.grid);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
-    const std::int32_t v = volume.labels.voxels[i];
-    mask.voxels[i] = (argument.label ? v == *argument.label : v != 0) ? 1 : 0;
-    count += mask.voxels[i];
-  }
-  if (count == 0) {
-    throw BadData(argument.label ? fmt::format("empty mask ({}): label {} has no voxel", text, *argument.label)
-                                 : fmt::format("empty mask ({}): every voxel is 0", text));
-  }
+  input.name = name;
+  input.kind = GeometryKind::mask;
+  const auto count = std::count_if(mask.voxels.begin(), mask.voxels.end(), [](std::uint8_t v) { return v != 0; });
+  if (count == 0) throw BadData(fmt::format("empty mask ({}): every voxel is 0", name));
   mask = in_lps_order(std::move(mask));
   ClosedSolid solid = solid_of_mask(mask);
   const double voxel = mask.grid.voxel_volume();
@@ -243,30 +237,6 @@ GeometryInput from_mask(const std::string& text, const MaskArgument& argument) {
   input.data = data_of(solid.closing_mm > 0.0 ? surface_of_mask(solid.as_given) : solid.surface, kMeshSamples);
   input.body = std::move(solid.as_given);
   input.solid = std::move(solid.surface);
-  return input;
-}
-
-}  // namespace
-
-GeometryInput read_geometry(const std::string& argument, bool open) {
-  const MaskArgument mask = parse_mask_argument(argument);
-  std::error_code ignored;
-  if (!fs::exists(mask.file, ignored)) {
-    throw NoInput(fmt::format("no such file (`input` {}): nothing is there; check the path", mask.file.string()));
-  }
-  const bool points = !fs::is_directory(mask.file, ignored) && is_point_file(mask.file);
-  const bool mesh = !points && is_mesh_file(mask.file);
-  if ((points || mesh) && mask.label) {
-    throw SettingError("bad value", "input", argument,
-                       fmt::format("only a label map has labels; leave ':{}' away", *mask.label));
-  }
-  if (open && !points && !mesh) {
-    throw SettingError("bad value", "open, input", argument, "a mask is closed; leave `open` out");
-  }
-  GeometryInput input = points ? from_points(mask.file, open)
-                        : mesh ? from_mesh(mask.file, open)
-                               : from_mask(argument, mask);
-  input.file = mask.file;
   return input;
 }
 

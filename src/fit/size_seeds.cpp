@@ -1,4 +1,4 @@
-#include "pellicle/output/fit_seeds.h"
+#include "pellicle/fit/internal/size_seeds.h"
 
 #include <algorithm>
 #include <numbers>
@@ -7,6 +7,7 @@
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/rim.h"
 #include "pellicle/raster/rasterize.h"
+#include "pellicle/seed/open_seed.h"
 #include "pellicle/seed/seed_surface.h"
 
 namespace pellicle {
@@ -14,12 +15,12 @@ namespace pellicle {
 namespace {
 
 constexpr int kBodySamples = 10000, kBodySteps = 12;
-constexpr double kBodySmoothness = 10.0;  ///< for voxels are rough
+constexpr double kBodySmoothness = 10.0;  ///< strong, because voxels are rough
 
 }  // namespace
 
-// Share of the body's surface that is not near the seed: limbs that it lacks.
-double FitSeeds::missed_by(const VoxelSeed& seed) {
+// Fraction of the body's surface that is not near the seed: limbs that it lacks.
+double SizeSeeds::uncovered_fraction(const VoxelSeed& seed) {
   constexpr int kLooks = 1000;
   constexpr double kNear = 1.5;
   if (body_points_.empty()) body_points_ = sample_surface(surface_of_mask(input_.body), kLooks);
@@ -30,25 +31,25 @@ double FitSeeds::missed_by(const VoxelSeed& seed) {
   return static_cast<double>(missed) / kLooks;
 }
 
-std::optional<VoxelSeed> FitSeeds::on_grid(double spacing) {
-  constexpr double kNone = 0.01;
+std::optional<VoxelSeed> SizeSeeds::on_grid(double spacing) {
+  constexpr double kAllCovered = 0.01;
   std::optional<VoxelSeed> best;
   double least = 1.0;
-  for (const double share : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
-    Image<std::uint8_t> voxels = voxels_of_mask(input_.body, spacing, share, Limbs::followed);
+  for (const double filled : {0.5, 0.6, 0.7, 0.8, 0.3, 0.15}) {
+    Image<std::uint8_t> voxels = voxels_of_mask(input_.body, spacing, filled, Limbs::followed);
     if (std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; })) continue;
     VoxelSeed seed = voxel_seed_of_voxels(std::move(voxels));
     if (seed.genus != input_.genus) continue;
-    const double missed = missed_by(seed);
-    if (missed >= least) continue;
-    least = missed;
+    const double uncovered = uncovered_fraction(seed);
+    if (uncovered >= least) continue;
+    least = uncovered;
     best = std::move(seed);
-    if (least <= kNone) break;
+    if (least <= kAllCovered) break;
   }
   return best;
 }
 
-std::optional<VoxelSeed> FitSeeds::next() {
+std::optional<VoxelSeed> SizeSeeds::next() {
   const Image<std::uint8_t>& body = input_.body;
   if (!(spacing_ > 0.0)) spacing_ = std::numbers::sqrt2 * coarsest_spacing(body);
   for (;;) {
@@ -58,13 +59,13 @@ std::optional<VoxelSeed> FitSeeds::next() {
   }
 }
 
-Surface FitSeeds::surface_on(const VoxelSeed& seed) {
+Surface SizeSeeds::surface_on(const VoxelSeed& seed) {
   if (!input_.open) {
     if (!body_data_) body_data_ = data_of(surface_of_mask(input_.body), kBodySamples);
     PointFitSettings stiff;
-    stiff.smoothness = kBodySmoothness * settings_.smoothness;
+    stiff.smoothness = kBodySmoothness * smoothness_;
     stiff.max_steps = kBodySteps;
-    return at_rest(fit_from(*seed_surface(seed.mesh, settings_.model), *body_data_, stiff, false).surface);
+    return at_rest(fit_from(*seed_surface(seed.mesh, model_), *body_data_, stiff, false, observer_).surface);
   }
   if (!tree_) {
     std::vector<Vec3> points;
@@ -79,7 +80,7 @@ Surface FitSeeds::surface_on(const VoxelSeed& seed) {
   return {std::move(model), std::move(parameters)};
 }
 
-Surface FitSeeds::first() {
+Surface SizeSeeds::first() {
   if (const std::optional<VoxelSeed> seed = next()) return surface_on(*seed);
   return surface_on(voxel_seed_of_mask(input_.body, input_.body.grid.spacing.maxCoeff()));
 }
