@@ -47,8 +47,11 @@ void declare_flag(CLI::App& app, const SettingEntry& entry, std::vector<std::str
     if (!(key.argument && key.placeholder.empty())) option->type_name(key.placeholder);
     if (!standard.empty()) option->default_str(standard);
     if (key.kind != SettingKind::several) option->expected(1);
-    // An argument that takes all would take its neighbour's word.
-    if (!key.argument) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    if (!key.argument) {
+      option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    } else if (key.kind != SettingKind::several) {
+      option->allow_extra_args(false);  // the next word belongs to the next argument
+    }
   }
   if (!key.argument) option->group(key.group);
   if (key.required) option->required();
