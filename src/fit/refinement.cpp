@@ -107,7 +107,8 @@ void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
   choose_image_or_points(fit, attempt, *best);
   attempt.now = std::move(best->candidate);
   best->stage.name = "all samples";
-  attempt.stages.push_back(fit.advance(attempt.now, {.stage = best->stage, .all_samples = true}).summary);
+  attempt.last = {.stage = best->stage, .all_samples = true};
+  attempt.stages.push_back(fit.advance(attempt.now, attempt.last).summary);
 }
 
 }  // namespace pellicle
