@@ -9,7 +9,7 @@ constexpr int kSuccess = 0;
 constexpr int kFailure = 1;
 constexpr int kUsage = 64;
 
-/// Code 3 (it ran, but an object failed its own checks) is no error: the results of the jobs carry it.
+/// Code 3 (it ran, but an object failed its own checks) is not an error: the results of the jobs carry it.
 constexpr int exit_code_of(ErrorCategory category) {
   switch (category) {
     case ErrorCategory::failure:

@@ -110,7 +110,8 @@ int main(int argc, char** argv) {
                                                 {manual, pellicle::cli::add_manual(*manual, app)}};
   try {
     std::vector<std::string> words(command_line.begin() + 1, command_line.end());
-    if (!words.empty() && words.front() == "segment") words = pellicle::cli::with_dashed_flags(words);
+    const bool has_hosts = !words.empty() && (words.front() == "segment" || words.front() == "bids");
+    if (has_hosts) words = pellicle::cli::with_dashed_flags(words);
     std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
     app.parse(words);
   } catch (const CLI::ParseError& fault) {

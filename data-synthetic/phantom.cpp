@@ -106,9 +106,8 @@ Phantom make_phantom(const PhantomSettings& settings) {
   phantom.shell_thickness_mm = shell_thickness(settings, grid, phantom.inner_radius);
   phantom.truth = mask_of(phantom.body, phantom.truth_surface, grid);
   if (std::find(phantom.truth.voxels.begin(), phantom.truth.voxels.end(), 1) == phantom.truth.voxels.end()) {
-    throw SettingError(
-        "the phantom is empty", "center", text(settings.center),
-        "no voxel centre lies inside the object; move it into the volume or use smaller voxels");
+    throw SettingError("the phantom is empty", "center", text(settings.center),
+                       "no voxel centre lies inside the object; move it into the volume or use smaller voxels");
   }
   phantom.image = degraded(
       fraction_of(phantom.body, phantom.truth_surface, grid, phantom.shell_thickness_mm, settings.blur_mm), settings);

@@ -81,9 +81,6 @@ std::vector<SeedDraw> draw_seeds(const Phantom& phantom, int count, RandomEngine
 std::string truth_json(const Phantom& phantom);
 
 /// "solid", "shell"; "none", "gaussian", "rician", "poisson".
-/// \throws UsageError naming the choices.
-PhantomFill phantom_fill_from_name(const std::string& name);
-PhantomNoise phantom_noise_from_name(const std::string& name);
 std::string name_of(PhantomFill fill);
 std::string name_of(PhantomNoise noise);
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "flag_text.h"
 #include "pellicle/output/provenance.h"
-#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 
@@ -36,14 +36,15 @@ bool is_file(const SettingKey& key) {
   return std::find(files.begin(), files.end(), key.name) != files.end();
 }
 
-Json input_of(const SettingKey& key) {
+Json input_of(const SettingEntry& entry) {
+  const SettingKey& key = *entry.key;
   const std::string flag = "--" + key.name;
-  const bool on_by_default = key.kind == SettingKind::flag && key.get(SegmentSettings{}).at(0) == "true";
+  const bool on_by_default = key.kind == SettingKind::flag && entry.values.at(0) == "true";
   const bool switchable = key.kind == SettingKind::flag && !on_by_default;
   Json input;
   input["id"] = underscored(key.name);
   input["name"] = key.name;
-  input["description"] = key.help;
+  input["description"] = cli::with_flags(key.help);
   input["value-key"] = value_key(key.name);
   input["type"] = switchable ? "Flag" : key.kind == SettingKind::number ? "Number" : is_file(key) ? "File" : "String";
   input["command-line-flag"] = flag;
@@ -84,7 +85,7 @@ Json error_codes() {
 
 }  // namespace
 
-Json boutiques_description() {
+Json boutiques_description(const std::vector<SettingEntry>& settings) {
   Json tool;
   tool["name"] = "pellicle segment";
   tool["tool-version"] = program_version();
@@ -94,10 +95,11 @@ Json boutiques_description() {
   tool["author"] = "The Pellicle authors";
   std::string command = "pellicle segment";
   Json inputs = Json::array(), seeds = Json::array();
-  for (const auto& key : segment_keys()) {
+  for (const SettingEntry& entry : settings) {
+    const SettingKey& key = *entry.key;
     if (!has_place_in_boutiques(key)) continue;
     command += " " + value_key(key.name);
-    inputs.push_back(input_of(key));
+    inputs.push_back(input_of(entry));
     const bool other_seed = key.name == "seed-mask" || key.name == "seed-model" || key.name == "seed-auto";
     if (other_seed) seeds.push_back(underscored(key.name));
   }

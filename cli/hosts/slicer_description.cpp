@@ -6,9 +6,9 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "flag_text.h"
 #include "pellicle/output/provenance.h"
 #include "pellicle/settings/presets.h"
-#include "pellicle/settings/settings.h"
 
 namespace pellicle {
 
@@ -39,12 +39,13 @@ constexpr Shown shown_files[] = {{"input", "image", "scalar", "", "input"},
                                  {"trace", "directory", "", "", ""}};
 
 // Settings that have no place in Slicer: it names its files itself, and starts what it wants to run.
-bool is_left_out(const SettingKey& key) {
+bool is_left_out(const SettingEntry& entry) {
+  const SettingKey& key = *entry.key;
   static const std::vector<std::string> names{
       "seed-sphere", "coords", "spacing", "output",       "name",  "write",       "mesh-format", "dry-run",
       "overwrite",   "quiet",  "verbose", "progress-xml", "trace", "trace-every", "log-json",    "no-progress"};
   // A flag that is on by default cannot be taken back: Slicer names a flag or does not.
-  const bool on = key.kind == SettingKind::flag && key.get(SegmentSettings{}).at(0) == "true";
+  const bool on = key.kind == SettingKind::flag && entry.values.at(0) == "true";
   return on || std::find(names.begin(), names.end(), key.name) != names.end();
 }
 
@@ -67,13 +68,15 @@ const char* tag_of(const SettingKey& key) {
     case SettingKind::number:
     case SettingKind::text:
     case SettingKind::words:
+    case SettingKind::several:
     case SettingKind::table:
       break;
   }
   return choices_of(key).empty() ? "string" : "string-enumeration";
 }
 
-void add_setting(Node group, const SettingKey& key) {
+void add_setting(Node group, const SettingEntry& entry) {
+  const SettingKey& key = *entry.key;
   const auto* known = std::find_if(std::begin(shown_files), std::end(shown_files),
                                    [&](const Shown& shown) { return key.name == shown.name; });
   const Shown* shown = known == std::end(shown_files) ? nullptr : known;
@@ -95,9 +98,9 @@ void add_setting(Node group, const SettingKey& key) {
   const bool unit = key.kind != SettingKind::flag && !key.placeholder.empty() && shown == nullptr &&
                     choices_of(key).empty() && key.kind != SettingKind::vectors;
   add_text(node, "label", unit ? fmt::format("{} ({})", label, key.placeholder) : label);
-  add_text(node, "description", key.help);
+  add_text(node, "description", cli::with_flags(key.help));
   if (shown != nullptr && *shown->channel != '\0') add_text(node, "channel", shown->channel);
-  if (number) add_text(node, "default", key.get(SegmentSettings{}).at(0));
+  if (number) add_text(node, "default", entry.values.at(0));
   if (key.kind == SettingKind::flag) add_text(node, "default", "false");
   const auto choices = choices_of(key);
   if (choices.empty()) return;
@@ -106,9 +109,9 @@ void add_setting(Node group, const SettingKey& key) {
   for (const auto& choice : choices) add_text(node, "element", choice);
 }
 
-const SettingKey& setting_named(const std::string& name) {
-  const auto& keys = segment_keys();
-  return *std::find_if(keys.begin(), keys.end(), [&](const SettingKey& key) { return key.name == name; });
+const SettingEntry& setting_named(const std::vector<SettingEntry>& settings, const std::string& name) {
+  return *std::find_if(settings.begin(), settings.end(),
+                       [&](const SettingEntry& entry) { return entry.key->name == name; });
 }
 
 Node add_group(Node executable, const std::string& label, const std::string& description, bool advanced) {
@@ -121,7 +124,7 @@ Node add_group(Node executable, const std::string& label, const std::string& des
 
 }  // namespace
 
-std::string slicer_description() {
+std::string slicer_description(const std::vector<SettingEntry>& settings) {
   pugi::xml_document document;
   Node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
@@ -141,14 +144,14 @@ std::string slicer_description() {
                                        "preset", "output-mask", "output-mesh"};
   Node main = add_group(executable, "Volume, seeds, results",
                         "A fiducial in the middle of the object; without any the object is found", false);
-  for (const auto& name : first) add_setting(main, setting_named(name));
+  for (const auto& name : first) add_setting(main, setting_named(settings, name));
   for (const std::string group : {"Seed", "Model", "Energies", "Outputs", "Run"}) {
     Node node;
-    for (const auto& key : segment_keys()) {
-      if (key.group != group || is_left_out(key)) continue;
-      if (std::find(first.begin(), first.end(), key.name) != first.end()) continue;
+    for (const SettingEntry& entry : settings) {
+      if (entry.key->group != group || is_left_out(entry)) continue;
+      if (std::find(first.begin(), first.end(), entry.key->name) != first.end()) continue;
       if (!node) node = add_group(executable, group, "Left empty or at 'default': the preset decides", true);
-      add_setting(node, key);
+      add_setting(node, entry);
     }
   }
   std::ostringstream out;

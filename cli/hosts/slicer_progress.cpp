@@ -33,9 +33,9 @@ SlicerProgress::~SlicerProgress() {
   if (on_) say("<filter-end><filter-name>Pellicle</filter-name></filter-end>");
 }
 
-void SlicerProgress::tell(double share, const std::string& what) {
+void SlicerProgress::tell(double fraction, const std::string& what) {
   if (!on_) return;
-  const int hundredths = static_cast<int>(std::floor(100.0 * std::clamp(share, 0.0, 1.0)));
+  const int hundredths = static_cast<int>(std::floor(100.0 * std::clamp(fraction, 0.0, 1.0)));
   if (hundredths == hundredths_ && what == what_) return;
   if (what != what_) say(fmt::format("<filter-comment>{}</filter-comment>", plain(what)));
   if (hundredths != hundredths_) say(fmt::format("<filter-progress>{:.2f}</filter-progress>", hundredths / 100.0));

@@ -15,8 +15,8 @@ class SlicerProgress {
   SlicerProgress(const SlicerProgress&) = delete;
   SlicerProgress& operator=(const SlicerProgress&) = delete;
 
-  /// At most a line per hundredth or change of what goes on.
-  void tell(double share, const std::string& what);
+  /// A line whenever the progress has grown by a hundredth or the step has another name.
+  void tell(double fraction, const std::string& what);
 
  private:
   bool on_;

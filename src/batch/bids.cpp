@@ -164,15 +164,13 @@ std::string bids_table_name(const BidsSettings& settings) {
 }  // namespace
 
 void BidsSettings::validate() const {
-  if (!is_bids_label(suffix))
-    throw SettingError("bad value", "suffix", suffix, "must be letters and digits");
+  if (!is_bids_label(suffix)) throw SettingError("bad value", "suffix", suffix, "must be letters and digits");
   if (!is_bids_label(desc)) throw SettingError("bad value", "desc", desc, "must be letters and digits");
   const auto wanted = common.find("write");
   if (wanted == common.end()) return;
   const auto kinds = split_commas(wanted->second.front());
   if (std::find(kinds.begin(), kinds.end(), "mask") == kinds.end()) {
-    throw SettingError("nothing for the dataset", "write", wanted->second.front(),
-                       "masks are what it holds; add mask");
+    throw SettingError("nothing for the dataset", "write", wanted->second.front(), "masks are what it holds; add mask");
   }
 }
 

@@ -94,9 +94,9 @@ class TableReader {
   std::size_t at_ = 0, line_ = 1;
 };
 
-const SettingKey* key_named(const std::string& name) {
-  for (const auto& key : segment_keys()) {
-    if (key.name == name) return &key;
+const Setting<SegmentSettings>* row_named(const std::string& name) {
+  for (const auto& row : segment_table()) {
+    if (row.name == name) return &row;
   }
   return nullptr;
 }
@@ -115,9 +115,9 @@ std::vector<std::string> split_semicolons(const std::string& text) {
 }
 
 void check_column(const std::string& column, std::size_t line, const std::string& origin) {
-  if (column == "name" || column == "config" || (key_named(column) != nullptr && may_vary(column))) return;
+  if (column == "name" || column == "config" || (row_named(column) != nullptr && may_vary(column))) return;
   const std::string where = fmt::format("{}:{}, column '{}'", origin, line, column);
-  if (key_named(column) != nullptr) {
+  if (!may_vary(column)) {
     throw UsageError(
         fmt::format("bad column ({}): this is the same for all cases; give `{}` to 'pellicle batch'", where, column));
   }
@@ -159,10 +159,15 @@ std::string resolved_path(const std::string& column, const std::string& value, c
 }
 
 // Throws what the program itself would say later about this value.
-void check_value(const SettingKey& key, const std::vector<std::string>& values, const std::string& where) {
+void check_value(const Setting<SegmentSettings>& row, const std::vector<std::string>& values,
+                 const std::string& where) {
   SegmentSettings scratch;
-  const bool list = key.kind == SettingKind::words || key.kind == SettingKind::vector;
-  key.set(scratch, list ? split_commas(values.front()) : values, where);
+  const bool list = row.kind == SettingKind::words || row.kind == SettingKind::vector;
+  try {
+    row.set(scratch, list ? split_commas(values.front()) : values);
+  } catch (const SettingError& fault) {
+    throw fault.at(where);
+  }
 }
 
 BatchCase case_of(const Record& record, const std::vector<std::string>& columns, const fs::path& path) {
@@ -180,11 +185,11 @@ BatchCase case_of(const Record& record, const std::vector<std::string>& columns,
       one.name = cell;
       continue;
     }
-    const SettingKey* key = key_named(columns[c]);
+    const Setting<SegmentSettings>* row = row_named(columns[c]);
     std::vector<std::string> values =
-        key != nullptr && repeats(*key) ? split_semicolons(cell) : std::vector<std::string>{cell};
+        row != nullptr && repeats(*row) ? split_semicolons(cell) : std::vector<std::string>{cell};
     if (values.empty()) continue;
-    if (key != nullptr) check_value(*key, values, fmt::format("{}:{}, column '{}'", origin, record.line, columns[c]));
+    if (row != nullptr) check_value(*row, values, fmt::format("{}:{}, column '{}'", origin, record.line, columns[c]));
     for (auto& value : values) value = resolved_path(columns[c], value, path.parent_path());
     one.values[columns[c]] = std::move(values);
   }

@@ -26,6 +26,7 @@ struct Attempt {
   Candidate start, now;
   std::vector<StageSummary> stages = {};  ///< all that were run, those whose result was dropped included
   Judgement judgement = {};
+  StageRequest last = {};  ///< the stage that led to `now`, so that it can run again
   explicit Attempt(Candidate candidate) : start(candidate), now(std::move(candidate)) {}
 };
 

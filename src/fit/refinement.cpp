@@ -99,15 +99,16 @@ void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best) {
 }
 
 void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
-  const Candidate before = attempt.now;
   std::optional<Refined> best = choose_detail(fit, attempt);
-  attempt.now = best ? best->candidate : before;
-  if (!best || attempt.now.status != FitStatus::ok) return;
+  if (!best) return;  // no stage measures anything: what they led to stands
+  attempt.now = best->candidate;
+  if (attempt.now.status != FitStatus::ok) return;
   choose_smoothness(fit, attempt, *best);
   choose_image_or_points(fit, attempt, *best);
   attempt.now = std::move(best->candidate);
   best->stage.name = "all samples";
-  attempt.stages.push_back(fit.advance(attempt.now, {.stage = best->stage, .all_samples = true}).summary);
+  attempt.last = {.stage = best->stage, .all_samples = true};
+  attempt.stages.push_back(fit.advance(attempt.now, attempt.last).summary);
 }
 
 }  // namespace pellicle

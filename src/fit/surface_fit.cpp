@@ -48,6 +48,7 @@ void SurfaceFit::try_out(Attempt& attempt) {
     StageRequest request{.stage = attempt.now.line.stages[s]};
     if (s == 0) request.first_reach_mm = attempt.now.first_reach_mm;
     attempt.stages.push_back(advance(attempt.now, request).summary);
+    attempt.last = {.stage = request.stage};
   }
   attempt.judgement = judge(attempt.now);
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/settings.h"
+#include "pellicle/fit/options.h"
 #include "pellicle/seed/seed.h"
 
 namespace pellicle {

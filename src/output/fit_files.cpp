@@ -71,59 +71,6 @@ void check_model(ModelKind kind, const GeometryInput& input) {
 
 }  // namespace
 
-bool GeometryFitSettings::writes(const std::string& kind) const {
-  return std::find(write.begin(), write.end(), kind) != write.end();
-}
-
-std::vector<int> GeometryFitSettings::rungs() const {
-  if (model.kind != ModelKind::spline || !detail || tolerance_mm || tolerance_percent) return ladder;
-  std::vector<int> sizes;
-  for (int k = 0; k <= *detail; ++k) sizes.push_back(SizeOptions::kFirstRung << k);
-  return sizes;
-}
-
-void GeometryFitSettings::validate() const {
-  const auto refuse = [](const std::string& key, const std::string& value, const std::string& rule) {
-    throw SettingError("bad value", key, value, rule);
-  };
-  const bool spline = model.kind == ModelKind::spline;
-  const int most_detail = spline ? 3 : 12;
-  if (detail && (*detail < 0 || *detail > most_detail)) {
-    refuse("detail", std::to_string(*detail),
-           spline ? "must be 0 to 3: splines of 10, 20, 40, 80 points each way" : "must be 0 to 12");
-  }
-  if (tolerance_mm && !(*tolerance_mm > 0.0))
-    refuse("tolerance-mm", fmt::format("{}", *tolerance_mm), "must be positive");
-  if (tolerance_percent && !(*tolerance_percent > 0.0))
-    refuse("tolerance-percent", fmt::format("{}", *tolerance_percent), "must be positive");
-  if (tolerance_mm && tolerance_percent)
-    throw SettingError("conflicting settings", "tolerance-mm, tolerance-percent", "give one of them");
-  if (!(smoothness > 0.0 && std::isfinite(smoothness)))
-    refuse("smoothness", fmt::format("{}", smoothness), "must be positive");
-  if (mesh_density && (*mesh_density < 0 || *mesh_density > 7))
-    refuse("mesh-density", std::to_string(*mesh_density), "must be 0 to 7 (2^N facets along a control edge)");
-  if (open && model.kind != ModelKind::catmull_clark)
-    throw SettingError("setting without its model", "open", "surfaces with a rim are fitted by `model` catmull-clark");
-  if ((size || !ladder.empty()) && !spline)
-    throw SettingError("setting without its model", "size, ladder", "they are about splines; give `model` spline");
-  if ((size ? 1 : 0) + (ladder.empty() ? 0 : 1) + (detail || tolerance_mm || tolerance_percent ? 1 : 0) > 1) {
-    throw SettingError("conflicting settings", "size, ladder, detail, tolerance-mm, tolerance-percent",
-                       "each says how many control points there are; give one");
-  }
-  if (size && ((*size)[0] < 4 || (*size)[1] < 2 || (*size)[0] > 100 || (*size)[1] > 100)) {
-    refuse("size", fmt::format("{},{}", (*size)[0], (*size)[1]), "M1 must be 4 to 100 and M2 2 to 100");
-  }
-  for (const int m : ladder) {
-    if (m < 4 || m > 100) refuse("ladder", std::to_string(m), "each M must be 4 to 100");
-  }
-  for (const std::string& kind : write) {
-    if (kind != "mesh" && kind != "model" && kind != "report") refuse("write", kind, "choose from mesh, model, report");
-  }
-  if (write.empty())
-    throw SettingError("bad value", "write", "nothing is to be written; choose from mesh, model, report");
-  if (threads < 0) refuse("threads", std::to_string(threads), "must be 0 (all) or more");
-}
-
 int GeometryFitResult::exit_code() const {
   const auto is_ok = [](const FittedSurface& fitted) { return fitted.status == SizeStatus::ok; };
   const std::vector<FittedSurface>& tried = fit.sizes.tried;

@@ -18,9 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int most_steps = 1000;
-constexpr double farthest_tau = 100.0;
-
 std::string stem_of_model(const fs::path& path) {
   std::string stem = path.stem().string();
   const std::string suffix = "_model";
@@ -86,34 +83,6 @@ void write_steps(const MorphResult& result, const Observer& observer) {
 }
 
 }  // namespace
-
-void MorphSettings::validate() const {
-  const auto require = [](bool ok, const std::string& key, const auto& value, const std::string& rule) {
-    if (!ok) throw SettingError("bad value", key, fmt::format("{}", value), rule);
-  };
-  require(steps >= 1 && steps <= most_steps, "steps", steps,
-          fmt::format("must lie between 1 and {}", most_steps));
-  for (const auto& [key, tau] : {std::pair{"from", from}, std::pair{"to", to}}) {
-    require(std::abs(tau) <= farthest_tau, key, tau,
-            fmt::format("must lie between -{0} and {0}; A is 0, B is 1", farthest_tau));
-  }
-  require(steps == 1 || from != to, "to", to,
-          "is the same as `from`, all steps would be one; change one of them or give `steps` 1");
-  require(!mesh_density || (*mesh_density >= 0 && *mesh_density <= 7),
-          "mesh-density", mesh_density.value_or(0), "must lie between 0 and 7");
-  require(threads >= 0, "threads", threads, "must be 0 (all) or more");
-  require(name.find('/') == std::string::npos, "name", name, "must be a file stem without folders");
-}
-
-MorphSpace morph_space_from_name(const std::string& name) {
-  if (name == "plane") return MorphSpace::plane;
-  if (name == "sphere") return MorphSpace::sphere;
-  throw SettingError("unknown space", "space", name, "choose plane or sphere");
-}
-
-std::string name_of(MorphSpace space) {
-  return space == MorphSpace::plane ? "plane" : "sphere";
-}
 
 std::string stem_of(const MorphSettings& settings) {
   if (!settings.name.empty()) return settings.name;

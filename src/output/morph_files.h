@@ -8,27 +8,11 @@
 #include <vector>
 
 #include "pellicle/job/morph.h"
-#include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/output/run_record.h"
+#include "pellicle/settings/morph_settings.h"
 
 namespace pellicle {
 
-struct MorphSettings {
-  std::filesystem::path a, b, output;
-  std::string name;  ///< file stem; empty: A_to_B, by the names of the models
-  int steps = 5;
-  MorphSpace space = MorphSpace::plane;
-  double from = 0.0, to = 1.0;  ///< tau of the first and the last step; one step only: the middle between them
-  MeshFormat mesh_format = MeshFormat::ply;
-  std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: to look at
-  int threads = 0;
-  bool overwrite = false;
-
-  /// \throws UsageError naming the flag, its value and the rule. Does not look at any file.
-  void validate() const;
-};
-MorphSpace morph_space_from_name(const std::string& name);  ///< \throws UsageError
-std::string name_of(MorphSpace space);
 std::string stem_of(const MorphSettings& settings);
 MorphOptions options_of(const MorphSettings& settings);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pellicle/settings/preset_choice.h"
+#include "pellicle/settings/setting_table.h"
 
 namespace pellicle {
 
@@ -15,6 +16,7 @@ namespace pellicle {
 struct RunRecord {
   std::vector<std::string> command_line = {};
   std::optional<PresetChoice> chosen_preset = {};  ///< with the preset `auto`
+  std::vector<SettingEntry> host_settings = {};    ///< of the program around, such as those of its logs
 };
 
 struct InputFile {

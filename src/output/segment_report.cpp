@@ -156,7 +156,7 @@ json report_of(const SegmentResult& result, const RunRecord& record) {
   json report = report_head("pellicle-report", record, result.exit_code());
   SegmentSettings resolved = result.settings;
   resolved.fit.stages = plan_of(resolved).first.stages;
-  report["settings"] = json_of(resolved);
+  report["settings"] = json_of(resolved, record.host_settings);
   if (record.chosen_preset) {
     report["preset_auto"] = {{"chosen", record.chosen_preset->name},
                              {"reason", record.chosen_preset->reason},

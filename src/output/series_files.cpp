@@ -69,9 +69,8 @@ Canvas series_plot(const SeriesResult& series, const std::string& title, const s
 void check_series(const SegmentSettings& settings, int frames) {
   settings.validate();
   if (settings.points) {
-    throw SettingError(
-        "expert points of which frame", "points", settings.points->string(),
-        fmt::format("the input is a series of {} frames; extract the one that they belong to", frames));
+    throw SettingError("expert points of which frame", "points", settings.points->string(),
+                       fmt::format("the input is a series of {} frames; extract the one that they belong to", frames));
   }
   for (int frame = 0; frame < frames; ++frame) check_before_work(settings_of_frame(settings, frame));
   check_outputs({series_file(settings, ".tsv"), series_file(settings, ".png")}, settings.overwrite, {settings.input});

@@ -97,7 +97,7 @@ void add_blob_facts(const Image<float>& image, Facts& facts) {
       }
     }
   }
-  // Smoothed below the size of a blob: else the noise of a large ground would be what is parted.
+  // Smoothed below the size of a blob: else the threshold would split the noise of a large background.
   const Image<float> smooth = gaussian_smooth(field.v, 0.35 * *radius);
   const double threshold = threshold_of_two_classes(smooth.voxels);
   double covered = 0.0, foreground = 0.0;

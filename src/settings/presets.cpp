@@ -7,7 +7,6 @@
 #include <map>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/settings/settings_toml.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

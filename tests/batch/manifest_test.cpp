@@ -7,8 +7,8 @@
 #include <fstream>
 #include <set>
 
-#include "../temporary_folder.h"
 #include "../../cli/exit_codes.h"
+#include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 
 namespace pellicle {

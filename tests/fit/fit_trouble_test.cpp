@@ -205,6 +205,19 @@ TEST(FitOptions, detail_limits_the_control_points) {
   }
 }
 
+TEST(FitOptions, every_given_stage_runs_though_none_measures_edges) {
+  FitOptions options;
+  options.similarity = false;
+  for (int detail = 0; detail <= 2; ++detail) {
+    options.stages.push_back({.name = "region",
+                              .detail = detail,
+                              .energies = {{"region", 1.0}, {"bending", 1e-3}, {"spacing", 0.05}},
+                              .max_steps = 5});
+  }
+  const FitResult fit = fit_ball_seed(ball().image, Vec3(0, 0, 0), 6.0, options);
+  EXPECT_EQ(control_point_count(fit.surface.model), 34);
+}
+
 TEST(FitOptions, progress_runs_up_and_says_what_is_done) {
   double last = -1.0;
   int calls = 0;

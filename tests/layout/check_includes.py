@@ -43,9 +43,8 @@ KNOWN_CIRCLES = [
     {'fit/many', 'fit/many_evidence', 'fit/many_piece'},
     {'fit/options', 'fit/plan'},
     {'fit/setting_rules', 'fit/settings'},
-    {'settings/presets', 'settings/settings_toml'},
     {'output/page_case', 'output/report_page'},
-    {'output/fit_levels', 'output/fit_points', 'output/fit_report', 'output/fit_seeds'},
+    {'output/fit_files', 'output/fit_report'},
     {'output/segment_ends', 'output/segment_files', 'output/segment_report'},
 ]
 

@@ -1,4 +1,4 @@
-// Point files: what is read, and what each broken file is told.
+// Point files: what is read, and the error message for each broken file.
 #include "pellicle/mesh/files/point_file.h"
 
 #include <gmock/gmock.h>

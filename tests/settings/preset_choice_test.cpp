@@ -33,7 +33,7 @@ TEST(PresetChoice, RangesDecideAndTheStricterConditionWins) {
   EXPECT_EQ(chosen(0, 1.0), "");
   EXPECT_THAT(choose_preset(presets, {{"seeds", 1}, {"voxel_mm", 1}}).reason,
               testing::AllOf(testing::HasSubstr("voxel_mm is 1"), testing::HasSubstr("0.5 to 2")));
-  EXPECT_THROW(choose_preset(presets, {{"seeds", 1}}), UsageError);  // a condition on what nobody measured
+  EXPECT_THROW(choose_preset(presets, {{"seeds", 1}}), UsageError);  // a condition on a fact that was not measured
 }
 
 TEST(PresetChoice, ConditionsAreReadFromFilesAndTheFactsThatTheyNameExist) {

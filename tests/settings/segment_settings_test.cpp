@@ -96,15 +96,6 @@ TEST(Settings, TomlRoundTripIsExact) {
   }
 }
 
-TEST(Settings, EveryKeyHasAFlagNameGroupAndHelp) {
-  for (const auto& key : segment_keys()) {
-    EXPECT_FALSE(key.name.empty());
-    EXPECT_FALSE(key.group.empty()) << key.name;
-    EXPECT_FALSE(key.help.empty()) << key.name;
-    EXPECT_TRUE(key.set && key.get) << key.name;
-  }
-}
-
 struct Broken {
   const char* text;
   const char* message;
