@@ -33,7 +33,7 @@ TEST(Measure, SeedsWithEquallyManyPointsButOtherQuadsKeepTheirOwnMesh) {
   SegmentOptions options{.many = true};
   std::vector<ObjectResult> together;
   for (const Surface& surface : {row, corner}) {
-    ObjectResult object{.label = static_cast<int>(together.size()) + 1, .surface = surface};
+    ObjectResult object{.label = static_cast<int>(together.size()) + 1, .name = {}, .surface = surface};
     object.shape = ObjectShape{};
     together.push_back(object);
   }
@@ -52,7 +52,7 @@ TEST(Measure, OneObjectAndManyAgreeOnTheVolume) {
   const Surface ball{model, affine_image(model, Vec3(15, 15, 10), 6.0 * Mat3::Identity())};
   ImageGrid grid;
   grid.size = {30, 30, 20};
-  std::vector<ObjectResult> one{{.surface = ball}}, many{{.surface = ball}};
+  std::vector<ObjectResult> one{{.name = {}, .surface = ball}}, many = one;
   many.front().shape = ObjectShape{};
   measure(one, grid, {});
   measure(many, grid, {.many = true});
