@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/fit/options.h"
 #include "pellicle/image/image.h"
 #include "pellicle/job/object_seed.h"
 
