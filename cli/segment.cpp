@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/many.h"
 #include "pellicle/pipeline/boutiques_description.h"
 #include "pellicle/pipeline/preset_choice.h"
@@ -123,7 +124,7 @@ void print_presets() {
 }
 
 void print_energies() {
-  for (const auto& energy : energy_descriptions()) {
+  for (const EnergyKind& energy : energy_kinds()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
                              energy.text);
   }

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pellicle/energies/edge.h"
+#include "pellicle/energies/energy_kinds.h"
+#include "pellicle/energies/profiles.h"
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/seed/head.h"
 #include "pellicle/seed/rays.h"
@@ -25,7 +26,7 @@ Candidate candidate_from(const SurfaceModel& model, const Vec3& centre, const Ma
 // object, cheap enough to do for each.
 std::size_t comparison_point(const std::vector<Stage>& stages) {
   std::size_t at = 0;
-  while (at < stages.size() && at < 2 && !stages[at].energies.contains("edge")) ++at;
+  while (at < stages.size() && at < 2 && stages[at].energies.with(&EnergyTraits::localises) == nullptr) ++at;
   return std::max<std::size_t>(1, at);
 }
 
@@ -148,7 +149,7 @@ std::vector<Candidate> surface_hypotheses(const Image<float>& image, const Surfa
     return hypothesis;
   };
   constexpr double kNear = 3.0;  // voxels
-  const auto searches = [](const Stage& stage) { return stage.energies.contains("region"); };
+  const auto searches = [](const Stage& stage) { return stage.energies.with(&EnergyTraits::searches) != nullptr; };
   std::vector<Candidate> list;
   list.push_back(reading("seed surface", {1.5 * h, 5.0 * h, 1.5 * h, 5.0 * h}));
   Candidate& near = list.front();
@@ -179,7 +180,7 @@ std::vector<Candidate> hypotheses_for(const Image<float>& image, const Seed& see
                                       const std::string& prefix, const Observer& observer) {
   const auto* surface = std::get_if<Surface>(&seed);
   const bool free_start = settings.start_rule == StartRule::automatic && settings.stages.empty();
-  if (free_start && stages_of(settings).front().energies["springs"] > 0.0) {
+  if (free_start && stages_of(settings).front().energies.uses(&EnergyTraits::needs_points)) {
     const double h = image.grid.mean_spacing();
     const std::optional<Surface> start =
         surface != nullptr ? std::optional(*surface) : ellipsoid_of(settings.points, settings.model, h);
@@ -230,16 +231,16 @@ std::vector<Candidate> similarity_hypotheses(const Image<float>& image, const Se
     const double smooth = 1e-3;
     hypothesis.stages = {{.name = "coarse",
                           .detail = 1,
-                          .energies = {{"region", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .energies = {{energy::region, 1.0}, {energy::bending, smooth}, {energy::spacing, 0.05}},
                           .reach = 5.0},
                          {.name = "region",
                           .detail = 2,
-                          .energies = {{"region", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .energies = {{energy::region, 1.0}, {energy::bending, smooth}, {energy::spacing, 0.05}},
                           .reach = 5.0,
                           .max_steps = 8},
                          {.name = "edge",
                           .detail = 2,
-                          .energies = {{"edge", 1.0}, {"bending", smooth}, {"spacing", 0.05}},
+                          .energies = {{energy::edge, 1.0}, {energy::bending, smooth}, {energy::spacing, 0.05}},
                           .smoothing = 0.0,
                           .max_steps = 6,
                           .tolerance = 0.01}};

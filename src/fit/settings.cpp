@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 
 namespace pellicle {
 
@@ -15,15 +16,12 @@ void require(bool rule, const std::string& what) {
   if (!rule) throw UsageError(what);
 }
 
-void validate_energies(const std::map<std::string, double>& energies, const std::string& where) {
-  for (const auto& [name, weight] : energies) {
-    const auto& known = energy_descriptions();
-    const bool exists = std::any_of(known.begin(), known.end(), [&, n = name](const auto& d) { return d.name == n; });
-    require(exists, fmt::format("unknown energy '{}' ({}): see --energy list", name, where));
+void validate_energies(const EnergyWeights& energies, const std::string& where) {
+  for (const auto& [kind, weight] : energies) {
     require(std::isfinite(weight),
-            fmt::format("energy weight is not a finite number ({}): {}={}", where, name, weight));
-    require(weight >= 0.0 || name == "inflation",
-            fmt::format("energy weight must not be negative ({}): {}={}", where, name, weight));
+            fmt::format("energy weight is not a finite number ({}): {}={}", where, kind->name, weight));
+    require(weight >= kind->least_weight,
+            fmt::format("energy weight must not be negative ({}): {}={}", where, kind->name, weight));
   }
 }
 
@@ -67,13 +65,15 @@ std::vector<Stage> with_settings(std::vector<Stage> stages, const FitSettings& s
     stage.solver = settings.solver.value_or(stage.solver);
     stage.motion = with_overrides(stage.motion, settings);
     if (settings.detail) stage.detail = std::min(stage.detail, *settings.detail);
-    if (!settings.points.points.empty()) stage.energies.try_emplace("springs", 1.0);
+    if (!settings.points.points.empty() && !stage.energies.contains(energy::springs)) {
+      stage.energies[energy::springs] = 1.0;
+    }
   }
-  for (const auto& [name, weight] : settings.energies) {
+  for (const auto& [kind, weight] : settings.energies) {
     const bool used =
-        std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
+        std::any_of(stages.begin(), stages.end(), [&, k = kind](const Stage& s) { return s.energies.contains(*k); });
     for (Stage& stage : stages) {
-      if (!used || stage.energies.contains(name)) stage.energies[name] = weight;
+      if (!used || stage.energies.contains(*kind)) stage.energies[*kind] = weight;
     }
   }
   return stages;
@@ -106,7 +106,7 @@ void FitSettings::validate() const {
   require(!target_volume_ml || (*target_volume_ml > 0.0 && std::isfinite(*target_volume_ml)),
           fmt::format("--target-volume must be above 0: {}", target_volume_ml.value_or(0)));
   const bool wants_volume =
-      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.energies.contains("volume"); });
+      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.energies.contains(energy::volume); });
   validate_motion(with_overrides(Motion{}, *this), "--time-step, --mass, --damping");
   const bool moves =
       solver ? *solver == Solver::dynamic
@@ -117,15 +117,12 @@ void FitSettings::validate() const {
           fmt::format("--error-target must be above 0 mm: {}", error_target_mm.value_or(0)));
   require(trace_every >= 0, fmt::format("--trace-every must not be negative: {}", trace_every));
   validate_points(points);
-  const auto wants_springs = [](const auto& weights) {
-    const auto at = weights.find("springs");
-    return at != weights.end() && at->second > 0.0;
-  };
+  const auto wants_springs = [](const EnergyWeights& weights) { return weights.uses(&EnergyTraits::needs_points); };
   const bool springs = wants_springs(energies) || std::any_of(stages.begin(), stages.end(), [&](const Stage& s) {
                          return wants_springs(s.energies);
                        });
   require(!springs || !points.points.empty(), "the energy 'springs' has no points (--energy springs): give --points");
-  require(target_volume_ml || (!wants_volume && !energies.contains("volume")),
+  require(target_volume_ml || (!wants_volume && !energies.contains(energy::volume)),
           "the energy 'volume' has no target (--energy volume): give --target-volume in ml");
   require(volume_weight >= 0.0 && std::isfinite(volume_weight),
           fmt::format("--volume-weight must not be negative: {}", volume_weight));
@@ -133,27 +130,6 @@ void FitSettings::validate() const {
           fmt::format("--max-iterations must not be negative: {}", max_iterations.value_or(0)));
   require(!tolerance || (*tolerance >= 0.0 && std::isfinite(*tolerance)),
           fmt::format("--tolerance must not be negative: {}", tolerance.value_or(0)));
-}
-
-const std::vector<EnergyDescription>& energy_descriptions() {
-  static const std::vector<EnergyDescription> list{
-      {"region", "residual", "t = argmin int q ds + 0.02 t^2/R",
-       "two levels: line search along each normal (L-BFGS stages: h/A int q dV)"},
-      {"body", "residual", "t = argmax int (I - (a+b)/2)/(a-b) ds/w - 0.075 (t/w)^2",
-       "region for many small bodies: levels of the whole body, profiles end at the neighbours' territories"},
-      {"edge", "residual", "t = int f ds - w + s^2 (k1+k2)/2", "sub-voxel place of the edge, robust"},
-      {"crossing", "residual", "first s with I < low + share (top - low)",
-       "first crossing from inside, for the brain in T1"},
-      {"bending", "residual", "1/(4 pi) int |trace-free Hessian|^2", "smoothness; zero for ellipsoids"},
-      {"tension", "residual", "1/(8 pi) int |grad x|^2", "membrane; pulls together"},
-      {"spacing", "residual", "sum A_i/A |tangential move|^2 + fold barrier",
-       "keeps control points spread and facets unfolded"},
-      {"springs", "residual", "mean w (n . (x - y))^2", "pulls the nearest place to each expert point; needs --points"},
-      {"flux", "scalar", "p h^2 s/(c A) int grad(G_s I) . dA", "flux of the smoothed gradient"},
-      {"volume", "scalar", "r0^2/2 ((V-V0)/(3 V0))^2", "prior on the volume; needs --target-volume"},
-      {"inflation", "scalar", "-h (V-V0)/A", "constant pressure; negative deflates"},
-  };
-  return list;
 }
 
 namespace {
@@ -164,21 +140,22 @@ std::vector<Stage> stages_for_start(const FitSettings& settings) {
     const double bending[] = {2e-3, 2e-4, 5e-6};
     const int steps[] = {60, 40, 30};
     for (int d = 1; d <= 3; ++d) {
-      stages.push_back({.name = fmt::format("crossing {}", d),
-                        .detail = d,
-                        .energies = {{"crossing", 1.0}, {"bending", bending[d - 1]}, {"spacing", 0.3}},
-                        .resolution = 1.0,
-                        .smoothing = 0.5,
-                        .reach = 5.0,
-                        .max_steps = steps[d - 1],
-                        .tolerance = 0.05});
+      stages.push_back(
+          {.name = fmt::format("crossing {}", d),
+           .detail = d,
+           .energies = {{energy::crossing, 1.0}, {energy::bending, bending[d - 1]}, {energy::spacing, 0.3}},
+           .resolution = 1.0,
+           .smoothing = 0.5,
+           .reach = 5.0,
+           .max_steps = steps[d - 1],
+           .tolerance = 0.05});
     }
     return stages;
   }
   const auto region = [](std::string name, int detail, double bending, int steps) {
     return Stage{.name = std::move(name),
                  .detail = detail,
-                 .energies = {{"region", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .energies = {{energy::region, 1.0}, {energy::bending, bending}, {energy::spacing, 0.05}},
                  .resolution = 0.0,
                  .smoothing = 1.0,
                  .reach = 5.0,
@@ -188,7 +165,7 @@ std::vector<Stage> stages_for_start(const FitSettings& settings) {
   const auto edge = [](std::string name, int detail, double bending) {
     return Stage{.name = std::move(name),
                  .detail = detail,
-                 .energies = {{"edge", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .energies = {{energy::edge, 1.0}, {energy::bending, bending}, {energy::spacing, 0.05}},
                  .resolution = 1.0,
                  .smoothing = 0.0,
                  .reach = 4.0,

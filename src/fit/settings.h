@@ -1,12 +1,13 @@
 #pragma once
 /// What a fit is told. Lengths in units of h, the cube root of the voxel volume, unless a name says mm.
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pellicle/base/geometry.h"
+#include "pellicle/energies/energy_kind.h"
+#include "pellicle/energies/point_targets.h"
+#include "pellicle/solve/solver.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -19,35 +20,15 @@ enum class StartRule {
   rays,
   head
 };  ///< as seeded; ellipsoid through the first edges along rays; brain
-enum class Solver {
-  least_squares,        ///< closed form where the surface is linear in its control points, else Levenberg-Marquardt
-  levenberg_marquardt,  ///< through Ceres, whatever the model
-  gradient,             ///< L-BFGS on the scalar energies, through Ceres
-  dynamic  ///< implicit time steps of a moving surface with mass and damping, each solved as the others are
-};
-
-/// How a surface moves under `Solver::dynamic` (dynamics.h). Time has no unit of its own: these scale with it.
-struct Motion {
-  double time_step = 1.0;
-  double mass = 0.1;  ///< of the whole surface, spread evenly over its area; 0: first order, no inertia
-  double damping = 1.0;
-};
-
-/// Points that the surface should pass through (springs). LPS mm.
-struct ExpertPoints {
-  std::vector<Vec3> points = {};
-  std::vector<double> weights = {};  ///< one a point, >= 0; empty: all alike
-  bool held = false;                 ///< pull to the point itself; else along the normal only, the point may slide
-};
 
 /// One stage of a fit: which energies, with what weights, on what image, with how many control points.
 struct Stage {
   std::string name = "region";
-  int detail = 1;                          ///< refinements of the control mesh (tetrahedron: 4, 10, 34, 130 points)
-  std::map<std::string, double> energies;  ///< name -> weight; see energies/README and `--energy list`
-  double resolution = 1.0;                 ///< voxels of the working image are about this many h of the input
-  double smoothing = 1.0;                  ///< Gaussian scale of the image force, in h of the working image
-  double reach = 6.0;                      ///< furthest edge that is looked for along a normal, in h
+  int detail = 1;               ///< refinements of the control mesh (tetrahedron: 4, 10, 34, 130 points)
+  EnergyWeights energies = {};  ///< see docs/energies.md and `--energy list`
+  double resolution = 1.0;      ///< voxels of the working image are about this many h of the input
+  double smoothing = 1.0;       ///< Gaussian scale of the image force, in h of the working image
+  double reach = 6.0;           ///< furthest edge that is looked for along a normal, in h
   int max_steps = 20;
   double tolerance = 0.05;  ///< stop when the mean normal move falls below, in h
   Solver solver = Solver::least_squares;
@@ -61,8 +42,8 @@ struct FitSettings {
   std::optional<int> detail;  ///< at most so many refinements; default: the fit decides by evidence
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::automatic;
-  std::optional<double> smoothing_mm;      ///< overrides Stage::smoothing
-  std::map<std::string, double> energies;  ///< weights in the stages that use the energy; in all, when none does
+  std::optional<double> smoothing_mm;  ///< overrides Stage::smoothing
+  EnergyWeights energies;              ///< weights in the stages that use the energy; in all, when none does
   std::optional<double> target_volume_ml;
   double volume_weight = 1.0;
   std::optional<int> max_iterations;               ///< overrides Stage::max_steps
@@ -77,12 +58,6 @@ struct FitSettings {
   std::vector<Stage> stages;  ///< empty: the default sequence for the start rule
   void validate() const;      ///< \throws UsageError
 };
-
-/// Every energy that a weight may be given to.
-struct EnergyDescription {
-  std::string name, kind, formula, text;  ///< kind: "residual" or "scalar"
-};
-const std::vector<EnergyDescription>& energy_descriptions();
 
 /// `stages` with what the settings say for all of them: solver, motion, springs where there are points, weights,
 /// detail.

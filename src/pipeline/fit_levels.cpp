@@ -79,9 +79,9 @@ bool takes_any_genus(ModelKind kind) {
   return kind == ModelKind::catmull_clark || kind == ModelKind::slime || kind == ModelKind::normal;
 }
 
-class Levels {
+class LevelSearch {
  public:
-  Levels(const RunContext& context, GeometryFitResult& result)
+  LevelSearch(const RunContext& context, GeometryFitResult& result)
       : settings_(result.settings),
         context_(context),
         result_(result),
@@ -386,7 +386,7 @@ void check_model(ModelKind kind, const GeometryInput& input) {
 }
 
 void fit_levels(const RunContext& context, GeometryFitResult& result) {
-  Levels(context, result).run();
+  LevelSearch(context, result).run();
 }
 
 }  // namespace pellicle

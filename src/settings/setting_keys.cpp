@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/settings/settings.h"
 
 namespace pellicle {
@@ -216,13 +217,13 @@ SettingKey energy_key() {
         if (equals == std::string::npos || equals == 0) {
           throw UsageError(fmt::format("bad value ({}): '{}' is not NAME=WEIGHT; see --energy list", where, one));
         }
-        s.fit.energies[one.substr(0, equals)] = number_of(one.substr(equals + 1), where);
+        s.fit.energies[energy_named(one.substr(0, equals), where)] = number_of(one.substr(equals + 1), where);
       }
     }
   };
   key.get = [](const SegmentSettings& s) {
     Values values;
-    for (const auto& [name, weight] : s.fit.energies) values.push_back(fmt::format("{}={}", name, weight));
+    for (const auto& [kind, weight] : s.fit.energies) values.push_back(fmt::format("{}={}", kind->name, weight));
     return values;
   };
   return key;

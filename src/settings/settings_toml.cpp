@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 
 namespace pellicle {
 
@@ -115,7 +116,7 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.motion.damping = number_of(scalar_text(node, where), where);
     } else if (name == "energies" && node.is_table()) {
       for (const auto& [energy, weight] : *node.as_table()) {
-        stage.energies[std::string(energy.str())] = number_of(scalar_text(weight, where), where);
+        stage.energies[energy_named(energy.str(), where)] = number_of(scalar_text(weight, where), where);
       }
     } else {
       throw UsageError(
@@ -181,6 +182,12 @@ std::string toml_value(const SettingKey& key, const SettingValues& values) {
       break;
   }
   return {};
+}
+
+std::map<std::string, double> by_name(const EnergyWeights& weights) {
+  std::map<std::string, double> named;
+  for (const auto& [kind, weight] : weights) named.emplace(kind->name, weight);
+  return named;
 }
 
 std::string toml_table(const std::string& heading, const std::map<std::string, double>& weights) {
@@ -297,7 +304,7 @@ std::string toml_of(const SegmentSettings& settings) {
     const SettingValues values = key.get(settings);
     if (!values.empty()) text += fmt::format("{} = {}\n", key.name, toml_value(key, values));
   }
-  text += toml_table("energy", settings.fit.energies);
+  text += toml_table("energy", by_name(settings.fit.energies));
   return text + toml_of_stages(settings.fit.stages);
 }
 
@@ -310,7 +317,7 @@ std::string toml_of_stages(const std::vector<Stage>& stages) {
                         quoted(name_of(stage.solver)));
     const Motion& motion = stage.motion;
     text += fmt::format("time_step = {}\nmass = {}\ndamping = {}\n", motion.time_step, motion.mass, motion.damping);
-    text += toml_table("stage.energies", stage.energies);
+    text += toml_table("stage.energies", by_name(stage.energies));
   }
   return text;
 }
@@ -322,12 +329,12 @@ nlohmann::ordered_json json_of(const SegmentSettings& settings) {
     const SettingValues values = key.get(settings);
     if (!values.empty()) json[key.name] = json_value(key, values);
   }
-  json["energy"] = settings.fit.energies;
+  json["energy"] = by_name(settings.fit.energies);
   json["stage"] = nlohmann::ordered_json::array();
   for (const auto& stage : settings.fit.stages) {
     json["stage"].push_back({{"name", stage.name},
                              {"detail", stage.detail},
-                             {"energies", stage.energies},
+                             {"energies", by_name(stage.energies)},
                              {"resolution", stage.resolution},
                              {"smoothing", stage.smoothing},
                              {"reach", stage.reach},
