@@ -87,7 +87,7 @@ void print_presets() {
 void print_energies() {
   for (const EnergyKind& energy : energy_kinds()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
-                             with_flags(energy.text));
+                             with_flags(std::string(energy.text)));
   }
 }
 

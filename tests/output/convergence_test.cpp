@@ -11,10 +11,9 @@ namespace {
 TEST(Convergence, CurvesAreTheEnergiesAndBreakBetweenStages) {
   StageSummary first, none, second;
   first.name = "coarse";
-  first.history = {{0.5, {{energy::edge, 4.0}, {energy::bending, 1.0}}},
-                   {0.2, {{energy::edge, 2.0}, {energy::bending, 0.5}}}};
+  first.history = {{0.5, {{"edge", 4.0}, {"bending", 1.0}}}, {0.2, {{"edge", 2.0}, {"bending", 0.5}}}};
   second.name = "fine";
-  second.history = {{0.1, {{energy::edge, 9.0}}}};
+  second.history = {{0.1, {{"edge", 9.0}}}};
   FitSummary fit;
   fit.stages = {first, none, second};
   const LinePlot plot = convergence_of(fit, "it");
