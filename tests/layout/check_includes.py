@@ -19,8 +19,9 @@ import tempfile
 # The folders from the bottom up: each may include itself and what stands before it. Some are planned.
 ORDER = ['base', 'image', 'mask', 'mesh', 'surface', 'raster', 'synthetic', 'energies', 'seed', 'solve', 'fit', 'settings', 'job',
          'picture', 'output', 'batch', 'cli']
-# Folders that may use fewer than what stands before them: the phantoms are an oracle that shares no code with the models.
-ONLY = {'synthetic': {'base', 'image', 'mesh', 'synthetic'}}
+# Folders that may use fewer than what stands before them: the phantoms are an oracle without any code of the models, and the
+# solvers know no image and no seed.
+ONLY = {'synthetic': {'base', 'image', 'mesh', 'synthetic'}, 'solve': {'base', 'mesh', 'surface', 'energies', 'solve'}}
 OUTSIDE_SRC = {'data-synthetic': 'synthetic', 'energies': 'energies', 'cli': 'cli'}
 
 # Outside libraries and the only folders that may include them.
