@@ -46,12 +46,9 @@ void declare_flag(CLI::App& app, const SettingEntry& entry, std::vector<std::str
     option = app.add_option(key.argument ? argument_name(key.name) : flag, words, help);
     if (!(key.argument && key.placeholder.empty())) option->type_name(key.placeholder);
     if (!standard.empty()) option->default_str(standard);
-    if (key.kind != SettingKind::several) option->expected(1);
-    if (!key.argument) {
-      option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    } else if (key.kind != SettingKind::several) {
-      option->allow_extra_args(false);  // the next word belongs to the next argument
-    }
+    // One word at a time, so that the next one is left to an argument; each time the flag is given adds one.
+    if (key.kind != SettingKind::several) option->expected(1)->allow_extra_args(false);
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   if (!key.argument) option->group(key.group);
   if (key.required) option->required();

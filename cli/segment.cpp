@@ -13,6 +13,7 @@
 #include "hosts/slicer_description.h"
 #include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/many.h"
 #include "pellicle/output/preset_by_image.h"
 #include "pellicle/output/seed_preview.h"
@@ -84,9 +85,9 @@ void print_presets() {
 }
 
 void print_energies() {
-  for (const auto& energy : energy_descriptions()) {
+  for (const EnergyKind& energy : energy_kinds()) {
     std::cout << fmt::format("{:<12} {:<9} {}\n{:<12} {:<9} {}\n", energy.name, energy.kind, energy.formula, "", "",
-                             with_flags(energy.text));
+                             with_flags(std::string(energy.text)));
   }
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace pellicle {
 
@@ -71,7 +73,7 @@ double best_cut(const Profile& p, double a, double b, double pull) {
   return cut;
 }
 
-Vec3 centroid_of(const std::vector<Vec3>& x, const std::vector<double>& area) {
+Vec3 centroid_of(std::span<const Vec3> x, std::span<const double> area) {
   Vec3 sum = Vec3::Zero();
   double total = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -81,7 +83,7 @@ Vec3 centroid_of(const std::vector<Vec3>& x, const std::vector<double>& area) {
   return sum / total;
 }
 
-double rms_distance(const std::vector<Vec3>& x, const std::vector<double>& area, const Vec3& centre) {
+double rms_distance(std::span<const Vec3> x, std::span<const double> area, const Vec3& centre) {
   double sum = 0.0, total = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     sum += area[i] * (x[i] - centre).squaredNorm();
@@ -153,7 +155,7 @@ struct Inside {
   std::vector<double> own;
 };
 
-Inside inside_of(const TrilinearField& image, const std::vector<Vec3>& x, const Vec3& centroid, double sign) {
+Inside inside_of(const TrilinearField& image, std::span<const Vec3> x, const Vec3& centroid, double sign) {
   Inside inside{0.0, std::vector<double>(x.size())};
   std::vector<double> all;
   all.reserve(kDepths.size() * x.size());
@@ -171,8 +173,9 @@ Inside inside_of(const TrilinearField& image, const std::vector<Vec3>& x, const 
 
 }  // namespace
 
-BodyReading read_body(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                      const std::vector<double>& area, const BodySearch& search) {
+BodyReading read_body(const TrilinearField& image, const SampleView& surface, const BodySearch& search) {
+  const std::span<const Vec3> x = surface.x, normal = surface.normal;
+  const std::span<const double> area = surface.area;
   const std::size_t n = x.size();
   BodyReading r{.targets = {std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)},
                 .drop = std::vector<double>(n, 0.0),
@@ -236,17 +239,38 @@ BodyReading read_body(const TrilinearField& image, const std::vector<Vec3>& x, c
   return r;
 }
 
-std::vector<double> values_inside(const TrilinearField& image, const std::vector<Vec3>& x, const Vec3& centroid,
-                                  std::size_t stride) {
-  std::vector<double> values;
-  values.reserve(12 * (x.size() / stride + 1));
-  for (int shell = 0; shell < 12; ++shell) {
-    const double scale = std::cbrt((shell + 0.5) / 12.0);
-    for (std::size_t i = 0; i < x.size(); i += stride) {
-      values.push_back(static_cast<double>(image.at(centroid + scale * (x[i] - centroid))));
+TermOutput BodyTerm::operator()(const StepView& step) const {
+  const OneOfMany& kin = step.one_of_many;
+  const double done = step.steps > 1 ? static_cast<double>(step.step) / (step.steps - 1) : 1.0;
+  std::vector<double> cap;
+  BodySearch search{.sign = step.hypothesis.sign,
+                    .half_width = 0.6 + done * (0.35 - 0.6),
+                    .least_radius = 0.3 * kin.radius,
+                    .most_radius = 2.2 * kin.radius,
+                    .unblur = true,
+                    .territory = kin.territory};
+  const bool typical = kin.typical != nullptr && kin.typical->size() == step.surface.size();
+  if (typical) {
+    for (const double r : *kin.typical) cap.push_back(1.6 * r);
+    search.cap = &cap;
+  }
+  const BodyReading reading = read_body(TrilinearField(*step.image), step.surface, search);
+  TermOutput out;
+  out.found.levels = step.levels;
+  out.found.levels->inside = reading.inside;
+  out.found.levels->outside = reading.beyond;
+  ScalarRows rows = offset_rows(step.surface, reading.targets, step.weight);
+  if (typical) {
+    NormalTargets shape{std::vector<double>(step.surface.size()), std::vector<double>(step.surface.size(), 0.05)};
+    for (std::size_t i = 0; i < shape.offset.size(); ++i) shape.offset[i] = (*kin.typical)[i] - reading.reach[i];
+    const ScalarRows more = offset_rows(step.surface, shape, step.weight);
+    for (std::size_t row = 0; row < more.size(); ++row) {
+      rows.add(more.sample[row], more.coefficient[row]);
+      rows.close(more.target[row]);
     }
   }
-  return values;
+  out.pull = std::move(rows);
+  return out;
 }
 
 }  // namespace pellicle

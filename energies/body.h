@@ -1,5 +1,5 @@
 #pragma once
-/// body: one small body among others like it; where along each normal it ends.
+/// body: one small body among others of its kind; where along each normal it ends.
 ///
 /// As `region` this is the two-level likelihood along each normal (1D Chan-Vese), in a form for objects of a few voxels
 /// that touch: levels come from the whole body and from what little background each profile meets, and a profile ends
@@ -18,20 +18,21 @@
 
 #include "pellicle/energies/profiles.h"
 #include "pellicle/energies/rows.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
 
 struct BodySearch {
   double sign = 1.0;        ///< of inside - outside
   double half_width = 0.5;  ///< w, in the surface's rms radius r
-  double pull = 0.075;      ///< keeps the nearer of two like cuts
+  double pull = 0.075;      ///< keeps the nearer of two equal cuts
   double inward = 0.35;  ///< furthest way in, of the distance to the centroid: keeps bad starts from turning inside out
   double outward = 0.5;  ///< furthest way out, in r
   double least_radius = 0.0;                 ///< mm, r is not taken smaller
   double most_radius = 0.0;                  ///< mm from the centroid; 0: any
   bool unblur = false;                       ///< move the cut outward by the s^2 / r that a blur s takes from a ball
   const Image<float>* territory = nullptr;   ///< above 1/2 where the object may be; null: everywhere
-  const std::vector<double>* cap = nullptr;  ///< mm from the centroid, one a sample; null: most_radius
+  const std::vector<double>* cap = nullptr;  ///< mm from the centroid, one per sample; null: most_radius
 };
 
 /// What the image says at each sample.
@@ -48,13 +49,12 @@ struct BodyReading {
   double inside = 0.0, beyond = 0.0;  ///< median levels, intensity units
 };
 
-/// \param x, normal, area of the surface's samples, mm.
-BodyReading read_body(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                      const std::vector<double>& area, const BodySearch& search);
+BodyReading read_body(const TrilinearField& image, const SampleView& surface, const BodySearch& search);
 
-/// Values inside a star-shaped surface, equal shares of its volume each: 12 copies of every `stride`th sample, shrunk
-/// towards the centroid. NaN where outside the image.
-std::vector<double> values_inside(const TrilinearField& image, const std::vector<Vec3>& x, const Vec3& centroid,
-                                  std::size_t stride);
+/// A wide search first, ever narrower ones later: half widths 0.6 to 0.35 of the radius. Where a typical object is
+/// known, a twentieth of the weight draws the surface towards its shape.
+struct BodyTerm {
+  TermOutput operator()(const StepView& step) const;
+};
 
 }  // namespace pellicle

@@ -29,7 +29,7 @@ NormalTargets crossing_targets(const Profiles& profiles, const SampleGraph& grap
       targets.weight[i] = 0.0;
       continue;
     }
-    const double cut = levels.low + settings.share * (brightest[i] - levels.low);
+    const double cut = levels.low + settings.fraction * (brightest[i] - levels.low);
     double found = settings.reach;
     for (int k = index_of(-settings.depth); k <= index_of(settings.reach); ++k) {
       if (std::isnan(p[k])) {
@@ -46,6 +46,21 @@ NormalTargets crossing_targets(const Profiles& profiles, const SampleGraph& grap
     targets.offset[i] = std::clamp(found, -settings.cap, settings.cap);
   }
   return targets;
+}
+
+TermOutput CrossingTerm::operator()(const StepView& step) const {
+  if (!step.hypothesis.tissue) return {};
+  const SampleView& surface = step.surface;
+  const TrilinearField field(*step.image);
+  TissueLevels levels = *step.hypothesis.tissue;
+  if (step.detail > 1) {
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t i = 0; i < surface.size(); ++i) centre += surface.area[i] / surface.total_area * surface.x[i];
+    levels.middle = median_of(values_inside(field, surface.x, centre, 1));
+  }
+  const CrossingSettings settings;
+  const Profiles profiles = sample_profiles(field, surface, settings.depth, settings.reach, std::min(1.0, step.h));
+  return {crossing_targets(profiles, *surface.graph, levels, settings)};
 }
 
 }  // namespace pellicle

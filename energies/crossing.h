@@ -3,21 +3,14 @@
 /// the brain in T1 images, where beyond a thin dark layer other bright tissue begins. The fixed point of the force of
 /// BET (Smith 2002, Human Brain Mapping 17:143-155), found by a search along the normal.
 
-#include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/energies/rows.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
 
-/// Intensities that the threshold is made of.
-struct TissueLevels {
-  double low = 0.0;        ///< robust minimum of the volume (2nd percentile)
-  double threshold = 0.0;  ///< tissue against air: low + 0.1 (98th - 2nd percentile)
-  double middle = 0.0;     ///< median of the tissue inside the surface
-};
-
 struct CrossingSettings {
-  double share = 0.66;      ///< threshold between low (0) and the brightest point just inside (1)
+  double fraction = 0.66;   ///< threshold between low (0) and the brightest point just inside (1)
   double look_back = 10.0;  ///< mm, where the brightest point is looked for
   double depth = 12.0;      ///< mm, how far inside the search begins
   double reach = 5.0;       ///< mm outward
@@ -27,5 +20,11 @@ struct CrossingSettings {
 /// \pre profiles cover [-depth, reach].
 NormalTargets crossing_targets(const Profiles& profiles, const SampleGraph& graph, const TissueLevels& levels,
                                const CrossingSettings& settings);
+
+/// Pulls where the hypothesis knows the levels of the tissue. With more than ten control points the median of the
+/// tissue is taken inside the present surface.
+struct CrossingTerm {
+  TermOutput operator()(const StepView& step) const;
+};
 
 }  // namespace pellicle

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pellicle/base/parallel.h"
 
@@ -177,22 +178,37 @@ EdgeMeasurement measure_edge(const Profiles& profiles, const SampleGraph& graph,
   return m;
 }
 
-void add_curvature_correction(const std::vector<double>& curvature, double blur, double h, NormalTargets& targets) {
-  for (std::size_t i = 0; i < targets.offset.size(); ++i) {
-    targets.offset[i] += 0.5 * blur * blur * std::clamp(curvature[i], -0.25 / h, 0.25 / h);
-  }
+std::vector<double> curvature_correction(const std::vector<double>& curvature, double blur, double h) {
+  std::vector<double> correction;
+  correction.reserve(curvature.size());
+  for (const double k : curvature) correction.push_back(0.5 * blur * blur * std::clamp(k, -0.25 / h, 0.25 / h));
+  return correction;
 }
 
-void downweight_outliers(double h, NormalTargets& targets) {
-  std::vector<double> used;
-  for (std::size_t i = 0; i < targets.offset.size(); ++i) {
-    if (targets.weight[i] > 0.0) used.push_back(targets.offset[i]);
+TermOutput EdgeTerm::operator()(const StepView& step) {
+  const Reading& hypothesis = step.hypothesis;
+  const double h = step.h, extent = (hypothesis.ridge ? 8.25 : 4.25) * h;
+  window = std::max(1.75, step.step == 0 ? 2.5 : std::pow(0.9, 1.0 / step.delay) * window);
+  const Profiles profiles = sample_profiles(TrilinearField(*step.image), step.surface, extent, extent, 0.25 * h);
+  EdgeMeasurement m =
+      measure_edge(profiles, *step.surface.graph, {h, window, hypothesis.ridge, hypothesis.sign > 0.0 ? 1 : -1});
+  TermOutput out;
+  double blur = step.blur_mm;
+  if (step.step < 2.0 * step.delay) {
+    curvature = sum_of_curvatures(step.surface);
+    average_over_mesh(*step.surface.graph, 8, curvature);
+    blur = m.blur > 0.0 ? m.blur : 1.1 * h;
+    out.found.blur_mm = blur;
   }
-  const double middle = median_of(used), scale = 3.0 * (robust_deviation(used) + 0.05 * h);
-  for (std::size_t i = 0; i < targets.offset.size(); ++i) {
-    const double ratio = (targets.offset[i] - middle) / scale;
-    targets.weight[i] /= 1.0 + ratio * ratio;
+  m.targets.correction = curvature_correction(curvature, blur, h);
+  if (m.median_contrast > 0.0 && !hypothesis.similarity) {
+    out.found.levels = step.levels;
+    out.found.levels->inside = median_of(m.inside);
+    out.found.levels->outside = median_of(m.outside);
   }
+  out.found.searching = step.step < 3;
+  out.pull = std::move(m.targets);
+  return out;
 }
 
 }  // namespace pellicle

@@ -8,9 +8,9 @@
 /// sphere s^2/R), which is added back; curvature is held fixed after the first steps, or it would be an anti-diffusion.
 /// Weights: contrast below the median counts less, below a quarter of it not at all; Cauchy weights for outliers.
 
-#include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/energies/rows.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
 
@@ -25,7 +25,7 @@ struct EdgeMeasurement {
   NormalTargets targets;
   std::vector<double> inside, outside;  ///< local levels (ridge: top and sides)
   double median_contrast = 0.0;
-  double blur = 0.0;  ///< s in mm, from the mean profile's width, 0 when it cannot be told
+  double blur = 0.0;  ///< s in mm, from the mean profile's width, 0 when it cannot be measured
 };
 
 /// \pre profiles of the unsmoothed image cover [-4h, 4h] (ridge: [-8h, 8h]).
@@ -35,10 +35,15 @@ EdgeMeasurement measure_edge(const Profiles& profiles, const SampleGraph& graph,
 /// away) that is at least half of what is typical over the surface; samples that see none get little weight.
 NormalTargets ridge_search(const Profiles& profiles, double sign, double reach, double h);
 
-/// Adds s^2 (k1+k2)/2 to the offsets; |k1+k2| is limited to a quarter per h.
-void add_curvature_correction(const std::vector<double>& curvature, double blur, double h, NormalTargets& targets);
+/// s^2 (k1+k2)/2 for each sample, mm; |k1+k2| is limited to a quarter per h.
+std::vector<double> curvature_correction(const std::vector<double>& curvature, double blur, double h);
 
-/// Multiplies the weights by 1/(1 + ((t - m)/(3 s))^2), m the median of the offsets, s their robust spread plus 0.05 h.
-void downweight_outliers(double h, NormalTargets& targets);
+/// Finds the edge anew in each step, in a window that narrows to 1.75 h; measures blur and curvature in the first ones.
+struct EdgeTerm {
+  TermOutput operator()(const StepView& step);
+
+  double window = 2.5;                 ///< h
+  std::vector<double> curvature = {};  ///< k1 + k2 at each sample, 1/mm, averaged over neighbours
+};
 
 }  // namespace pellicle

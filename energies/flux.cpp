@@ -1,6 +1,7 @@
 #include "pellicle/energies/flux.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pellicle/base/parallel.h"
 
@@ -82,6 +83,20 @@ Image<float> flux_antiderivative(const Image<float>& image) {
     }
   });
   return out;
+}
+
+TermOutput FluxTerm::operator()(const StepView& step) {
+  if (!gradient || version != step.image_version) {
+    version = step.image_version;
+    gradient = std::make_shared<const std::array<Image<float>, 3>>(gradient_images(*step.image));
+  }
+  const double contrast = std::abs(step.levels.contrast());
+  const double scale = step.weight * step.hypothesis.sign * step.h * step.h *
+                       std::max(step.smoothing_mm, 0.5 * step.h) / (contrast * step.surface.total_area);
+  return {[kept = gradient, scale](const auto& x, const auto& area, auto& dx, auto& da) {
+    const std::array<CubicField, 3> fields{CubicField((*kept)[0]), CubicField((*kept)[1]), CubicField((*kept)[2])};
+    return flux(fields, scale, x, area, dx, da);
+  }};
 }
 
 }  // namespace pellicle

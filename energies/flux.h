@@ -6,6 +6,10 @@
 /// a dark one, c the contrast, s the smoothing scale, A0 the area at the start: about -0.4 h^2 along an ideal step
 /// edge whatever intensity unit, size and spacing.
 
+#include <array>
+#include <memory>
+
+#include "pellicle/energies/term.h"
 #include "pellicle/image/scalar_field.h"
 
 namespace pellicle {
@@ -22,7 +26,15 @@ double flux(const std::array<CubicField, 3>& gradient, double scale, const std::
 /// dI/de, plus the running integral of the second differences across it. Intensity per mm.
 Image<float> flux_antiderivative(const Image<float>& image);
 
-/// Central differences of an image in intensity per mm along the world axes, one image a component.
+/// Central differences of an image in intensity per mm along the world axes, one image per component.
 std::array<Image<float>, 3> gradient_images(const Image<float>& image);
+
+/// Its gradient images are kept as long as the working image stays the same.
+struct FluxTerm {
+  TermOutput operator()(const StepView& step);
+
+  std::shared_ptr<const std::array<Image<float>, 3>> gradient = {};
+  int version = -1;
+};
 
 }  // namespace pellicle

@@ -36,7 +36,7 @@ std::vector<double> sample_areas(const SampleLayout& layout, const std::vector<V
   return area;
 }
 
-double sum(const std::vector<double>& values) {
+double sum(std::span<const double> values) {
   double total = 0.0;
   for (const double v : values) total += v;
   return total;
@@ -91,27 +91,6 @@ void average_over_mesh(const SampleGraph& graph, int rounds, std::vector<double>
     }
     values.swap(next);
   }
-}
-
-std::vector<double> sum_of_curvatures(const SampleLayout& layout, const std::vector<Vec3>& x,
-                                      const std::vector<Vec3>& normal) {
-  std::vector<Vec3> laplacian(x.size(), Vec3::Zero());
-  for (const auto& t : layout.triangles) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t i = at(t[c]), j = at(t[(c + 1) % 3]), k = at(t[(c + 2) % 3]);
-      const Vec3 u = x[i] - x[k], v = x[j] - x[k];
-      const double cotangent = u.dot(v) / std::max(u.cross(v).norm(), 1e-12 * (u.squaredNorm() + v.squaredNorm()));
-      const Vec3 pull = 0.5 * std::clamp(cotangent, -10.0, 10.0) * (x[j] - x[i]);
-      laplacian[i] += pull;
-      laplacian[j] -= pull;
-    }
-  }
-  const std::vector<double> area = sample_areas(layout, x);
-  std::vector<double> curvature(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    curvature[i] = area[i] > 0 ? -laplacian[i].dot(normal[i]) / area[i] : 0.0;
-  }
-  return curvature;
 }
 
 }  // namespace pellicle

@@ -1,6 +1,7 @@
 #pragma once
 /// The sampled surface as the energies see it: areas, neighbours, averages over the mesh.
 
+#include <span>
 #include <vector>
 
 #include "pellicle/surface/samples.h"
@@ -18,7 +19,7 @@ struct SampleGraph {
 
 /// A third of the facets around each sample, mm^2; the sum is the surface's area.
 std::vector<double> sample_areas(const SampleLayout& layout, const std::vector<Vec3>& x);
-double sum(const std::vector<double>& values);
+double sum(std::span<const double> values);
 
 /// Area vectors: a third of the facet vectors around each sample (outward, mm^2). The flux of a field F is
 /// sum F(x_i) . a_i; the enclosed volume of the facets is a third of sum x_i . a_i.
@@ -32,9 +33,5 @@ double facet_volume(const SampleLayout& layout, const std::vector<Vec3>& x);
 
 /// `rounds` times: each value becomes the mean of itself and its neighbours. NaN values are left out and filled in.
 void average_over_mesh(const SampleGraph& graph, int rounds, std::vector<double>& values);
-
-/// k1 + k2 (1/mm, positive where convex) by the cotangent Laplacian (Pinkall, Polthier 1993).
-std::vector<double> sum_of_curvatures(const SampleLayout& layout, const std::vector<Vec3>& x,
-                                      const std::vector<Vec3>& normal);
 
 }  // namespace pellicle

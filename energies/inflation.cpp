@@ -14,4 +14,12 @@ double inflation(double facet_volume, double start_volume, double start_area, do
   return (0.5 * damping * move - weight * h) * move;
 }
 
+TermOutput InflationTerm::operator()(const StepView& step) const {
+  const SampleView& surface = step.surface;
+  return {[layout = &surface.layout, volume = surface.volume, area = surface.total_area, h = step.h,
+           weight = step.weight](const auto& x, const auto& area_vector, auto& dx, auto&) {
+    return inflation(facet_volume(*layout, x), volume, area, h, weight, area_vector, dx);
+  }};
+}
+
 }  // namespace pellicle

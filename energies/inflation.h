@@ -6,11 +6,15 @@
 
 #include <vector>
 
-#include "pellicle/base/geometry.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
 
 double inflation(double facet_volume, double start_volume, double start_area, double h, double weight,
                  const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx);
+
+struct InflationTerm {
+  TermOutput operator()(const StepView& step) const;
+};
 
 }  // namespace pellicle

@@ -9,8 +9,8 @@
 
 namespace pellicle {
 
-Profiles sample_profiles(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                         double inside, double outside, double step) {
+Profiles sample_profiles(const TrilinearField& image, std::span<const Vec3> x, std::span<const Vec3> n, double inside,
+                         double outside, double step) {
   Profiles p;
   // Both sides are whole steps, so that the surface itself is a sample.
   const int before = static_cast<int>(std::ceil(inside / step - 1e-9)),
@@ -21,11 +21,24 @@ Profiles sample_profiles(const TrilinearField& image, const std::vector<Vec3>& x
   p.values.resize(x.size() * static_cast<std::size_t>(p.count));
   parallel_for(x.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      image.along_line(x[i] + p.first * normal[i], step * normal[i], p.count,
+      image.along_line(x[i] + p.first * n[i], step * n[i], p.count,
                        p.values.data() + i * static_cast<std::size_t>(p.count));
     }
   });
   return p;
+}
+
+std::vector<double> values_inside(const TrilinearField& image, std::span<const Vec3> x, const Vec3& centre,
+                                  std::size_t stride) {
+  std::vector<double> values;
+  values.reserve(12 * (x.size() / stride + 1));
+  for (int shell = 0; shell < 12; ++shell) {
+    const double scale = std::cbrt((shell + 0.5) / 12.0);
+    for (std::size_t i = 0; i < x.size(); i += stride) {
+      values.push_back(static_cast<double>(image.at(centre + scale * (x[i] - centre))));
+    }
+  }
+  return values;
 }
 
 double band_median(const Profiles& profiles, std::size_t row, double from, double to) {
@@ -43,17 +56,17 @@ double band_median(const Profiles& profiles, std::size_t row, double from, doubl
   return 0.5 * (static_cast<double>(buffer[(n - 1) / 2]) + static_cast<double>(buffer[n / 2]));
 }
 
-double quantile_of(std::vector<double> values, double share) {
+double quantile_of(std::vector<double> values, double fraction) {
   std::erase_if(values, [](double v) { return std::isnan(v); });
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double position = share * static_cast<double>(values.size() - 1);
+  const double position = fraction * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::ptrdiff_t>(position);
   std::nth_element(values.begin(), values.begin() + low, values.end());
   const double below = values[static_cast<std::size_t>(low)];
-  const double fraction = position - static_cast<double>(low);
-  if (fraction == 0.0) return below;
+  const double beyond = position - static_cast<double>(low);
+  if (beyond == 0.0) return below;
   const double above = *std::min_element(values.begin() + low + 1, values.end());
-  return below + fraction * (above - below);
+  return below + beyond * (above - below);
 }
 
 double median_of(std::vector<double> values) {

@@ -1,8 +1,10 @@
 #pragma once
 /// Image profiles along the surface normals, and robust statistics of them.
 
+#include <span>
 #include <vector>
 
+#include "pellicle/energies/sample_view.h"
 #include "pellicle/image/scalar_field.h"
 
 namespace pellicle {
@@ -17,17 +19,28 @@ struct Profiles {
   double position(int k) const { return first + step * k; }
 };
 
-/// \param inside, outside how far the profiles reach from the surface, mm, both positive.
-Profiles sample_profiles(const TrilinearField& image, const std::vector<Vec3>& x, const std::vector<Vec3>& normal,
-                         double inside, double outside, double step);
+/// Along lines that start at x, in unit directions n. \param inside, outside how far the profiles reach from x, mm,
+/// both positive.
+Profiles sample_profiles(const TrilinearField& image, std::span<const Vec3> x, std::span<const Vec3> n, double inside,
+                         double outside, double step);
+/// Along the normals of a surface.
+inline Profiles sample_profiles(const TrilinearField& image, const SampleView& surface, double inside, double outside,
+                                double step) {
+  return sample_profiles(image, surface.x, surface.normal, inside, outside, step);
+}
+
+/// Values inside a star-shaped surface, from 12 layers of equal volume: copies of every `stride`th sample, shrunk
+/// towards a centre. NaN where outside the image.
+std::vector<double> values_inside(const TrilinearField& image, std::span<const Vec3> x, const Vec3& centre,
+                                  std::size_t stride);
 
 /// Median of the finite values of a row with position in [from, to] mm; NaN when there are none.
 double band_median(const Profiles& profiles, std::size_t row, double from, double to);
 
 /// Median of the finite values; NaN when there are none. Reorders its argument.
 double median_of(std::vector<double> values);
-/// Value at a share 0..1 of the sorted finite values; NaN when there are none.
-double quantile_of(std::vector<double> values, double share);
+/// Value at a fraction 0..1 of the sorted finite values; NaN when there are none.
+double quantile_of(std::vector<double> values, double fraction);
 /// 1.4826 times the median absolute deviation.
 double robust_deviation(const std::vector<double>& values);
 

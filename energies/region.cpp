@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pellicle/base/parallel.h"
+#include "pellicle/energies/edge.h"
 
 namespace pellicle {
 
@@ -154,6 +156,63 @@ double region_integral(const CubicField& antiderivative, const Vec3& axis_in_wor
   double energy = 0.0;
   for (const double p : part) energy += p;
   return scale * energy;
+}
+
+void estimate_levels(const StepView& step, Levels& levels) {
+  const double h = step.h;
+  const Profiles profiles = sample_profiles(TrilinearField(*step.image), step.surface, 6.5 * h, 6.5 * h, 0.5 * h);
+  const NormalTargets here{std::vector<double>(step.surface.size(), 0.0),
+                           std::vector<double>(step.surface.size(), 1.0)};
+  update_levels(profiles, here, *step.surface.graph, h, false, step.first_contrast, levels);
+}
+
+namespace {
+
+// R <- max(4 h, min(0.85 R, 4 p90|t| + 3 h)): wide at first, narrow once the surface has arrived. A surface that
+// follows slowly narrows it slowly.
+double narrowed(double reach, const NormalTargets& targets, const StepView& step) {
+  std::vector<double> size;
+  for (const double t : targets.offset) size.push_back(std::abs(t));
+  const double h = step.h;
+  return std::max(4.0 * h, std::min(std::pow(0.85, 1.0 / step.delay) * reach, 4.0 * quantile_of(size, 0.9) + 3.0 * h));
+}
+
+}  // namespace
+
+TermOutput RegionTerm::operator()(const StepView& step) {
+  if (step.step == 0) reach = step.reach_mm;
+  const double h = step.h, extent = reach + 6.5 * h;
+  const double spacing = reach > 10.0 * h ? reach / 20.0 : 0.5 * h;
+  const Profiles profiles = sample_profiles(TrilinearField(*step.image), step.surface, extent, extent, spacing);
+  // Not past the middle, which would turn the surface inside out: 2 V/A is the radius of a tube, two thirds of a
+  // ball's.
+  const double depth = 2.0 * step.surface.volume / step.surface.total_area;
+  const Reading& hypothesis = step.hypothesis;
+  NormalTargets targets = hypothesis.ridge ? ridge_search(profiles, hypothesis.sign, reach, h)
+                                           : region_targets(profiles, step.levels, reach, depth);
+  TermOutput out;
+  if (!hypothesis.similarity && !hypothesis.ridge) {
+    out.found.levels = step.levels;
+    update_levels(profiles, targets, *step.surface.graph, h, step.step > 0, step.first_contrast, *out.found.levels);
+  }
+  reach = narrowed(reach, targets, step);
+  out.found.searching = reach > 6.0 * h;
+  out.pull = std::move(targets);
+  return out;
+}
+
+TermOutput RegionIntegralTerm::operator()(const StepView& step) {
+  if (!image || version != step.image_version || inside != step.levels.inside || outside != step.levels.outside) {
+    version = step.image_version;
+    inside = step.levels.inside;
+    outside = step.levels.outside;
+    image = std::make_shared<const Image<float>>(antiderivative(region_potential(*step.image, inside, outside)));
+  }
+  const double scale = step.weight * step.h / step.surface.total_area;
+  const Vec3 axis = step.image->grid.direction.col(0);
+  return {[kept = image, scale, axis](const auto& x, const auto& area, auto& dx, auto& da) {
+    return region_integral(CubicField(*kept), axis, scale, x, area, dx, da);
+  }};
 }
 
 }  // namespace pellicle

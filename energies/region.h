@@ -12,20 +12,13 @@
 /// theorem).
 
 #include <limits>
-#include <optional>
+#include <memory>
 
-#include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/energies/rows.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
-
-/// Levels inside and outside, global and at each sample.
-struct Levels {
-  double inside = 0.0, outside = 0.0;
-  std::vector<double> local_inside, local_outside;  ///< empty: the global ones hold everywhere
-  double contrast() const { return inside - outside; }
-};
 
 /// Targets of the line search. \param reach mm; profiles must cover [-reach, reach]. \param depth mm: no target lies
 /// further inside.
@@ -49,5 +42,26 @@ Image<float> antiderivative(const Image<float>& image);
 double region_integral(const CubicField& antiderivative, const Vec3& axis_in_world, double scale,
                        const std::vector<Vec3>& x, const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx,
                        std::vector<Vec3>& dE_da);
+
+/// The integral forms have no targets to take levels from: they are estimated from bands on both sides of the present
+/// surface.
+void estimate_levels(const StepView& step, Levels& levels);
+
+/// Least-squares form: a search that is wide at first and narrows as the surface arrives; of membranes ridge_search
+/// (energies/edge.h).
+struct RegionTerm {
+  TermOutput operator()(const StepView& step);
+
+  double reach = 0.0;  ///< mm, of the next search
+};
+
+/// Scalar form. Its antiderivative image is kept as long as working image and levels stay the same.
+struct RegionIntegralTerm {
+  TermOutput operator()(const StepView& step);
+
+  std::shared_ptr<const Image<float>> image = {};
+  int version = -1;
+  double inside = 0.0, outside = 0.0;
+};
 
 }  // namespace pellicle

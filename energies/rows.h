@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pellicle/base/geometry.h"
+#include "pellicle/energies/sample_view.h"
 
 namespace pellicle {
 
@@ -32,11 +33,12 @@ struct ScalarRows {
   }
 };
 
-/// Rows of three residuals r_k = sum_j c_kj x_j - d_k with scalar c_kj: operators that treat the coordinates alike.
+/// Rows of three residuals r_k = sum_j c_kj x_j - d_k with scalar c_kj: operators that treat the three coordinates in
+/// the same way.
 struct VectorRows {
   std::vector<int> start{0}, sample;
   std::vector<double> coefficient;
-  std::vector<Vec3> target;  ///< d, one a row; empty: zero
+  std::vector<Vec3> target;  ///< d, one per row; empty: zero
   std::size_t size() const { return start.size() - 1; }
   void add(int s, double c) {
     sample.push_back(s);
@@ -54,12 +56,18 @@ struct VectorRows {
 
 /// Where each sample should go: along its normal, and how sure that is.
 struct NormalTargets {
-  std::vector<double> offset;  ///< mm, positive outward
-  std::vector<double> weight;  ///< >= 0; 1 is a clear edge
+  std::vector<double> offset = {};      ///< mm, positive outward, as measured
+  std::vector<double> weight = {};      ///< >= 0; 1 is a clear edge
+  std::vector<double> correction = {};  ///< mm, added to the offsets once outliers are weighed; empty: none
 };
 
+/// Multiplies the weights by 1/(1 + ((t - m)/(3 s))^2), m the median of the offsets, s their robust spread plus 0.05 h.
+void downweight_outliers(double h, NormalTargets& targets);
+
+/// Adds the correction to the offsets, and clears it.
+void apply_correction(NormalTargets& targets);
+
 /// sum_i (A_i/A) w_i (n_i . (x_i - x0_i) - t_i)^2 as rows; samples without weight get none.
-ScalarRows offset_rows(const std::vector<Vec3>& x, const std::vector<Vec3>& normal, const std::vector<double>& area,
-                       const NormalTargets& targets, double energy_weight);
+ScalarRows offset_rows(const SampleView& surface, const NormalTargets& targets, double energy_weight);
 
 }  // namespace pellicle

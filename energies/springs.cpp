@@ -22,12 +22,11 @@ Vec3 barycentric_of(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) 
   return w / w.sum();
 }
 
-Attachment attachment_at(const Vec3& y, const ClosestPoint::Hit& hit, const SampleLayout& layout,
-                         const SurfaceSamples& samples) {
+Attachment attachment_at(const Vec3& y, const ClosestPoint::Hit& hit, const SampleView& samples) {
   Attachment out;
   if (hit.triangle < 0) return out;
   out.triangle = hit.triangle;
-  const auto& t = layout.triangles[static_cast<std::size_t>(hit.triangle)];
+  const auto& t = samples.layout.triangles[static_cast<std::size_t>(hit.triangle)];
   const auto at = [&](int i) { return static_cast<std::size_t>(t[static_cast<std::size_t>(i)]); };
   out.barycentric = barycentric_of(hit.point, samples.x[at(0)], samples.x[at(1)], samples.x[at(2)]);
   Vec3 mean = Vec3::Zero();
@@ -49,13 +48,12 @@ Attachment attachment_at(const Vec3& y, const ClosestPoint::Hit& hit, const Samp
 
 }  // namespace
 
-std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleLayout& layout,
-                               const SurfaceSamples& samples) {
-  const ClosestPoint nearest(mesh_of(layout, samples));
+std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleView& surface) {
+  const ClosestPoint nearest(mesh_of(surface));
   std::vector<Attachment> out(points.size());
   parallel_for(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      out[k] = attachment_at(points[k], nearest.query(points[k]), layout, samples);
+      out[k] = attachment_at(points[k], nearest.query(points[k]), surface);
     }
   });
   return out;
@@ -63,7 +61,7 @@ std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleLayo
 
 ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& points,
                        const std::vector<Attachment>& attachments, const std::vector<double>& weights, double total,
-                       double sliding_share, double energy_weight) {
+                       double sliding_fraction, double energy_weight) {
   ScalarRows rows;
   if (!(total > 0.0)) return rows;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -79,9 +77,9 @@ ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& poin
       rows.close(scale * direction.dot(points[k] - a.lift));
     };
     add(a.normal, root);
-    if (sliding_share > 0.0) {
+    if (sliding_fraction > 0.0) {
       const Vec3 t1 = a.normal.unitOrthogonal(), t2 = a.normal.cross(t1);
-      const double share = root * std::sqrt(sliding_share);
+      const double share = root * std::sqrt(sliding_fraction);
       add(t1, share);
       add(t2, share);
     }
@@ -89,44 +87,41 @@ ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& poin
   return rows;
 }
 
-ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
+ScalarRows reverse_spring_rows(const SampleView& surface, const ClosestPoint& data,
                                const std::vector<Vec3>& data_normals, double reach, double energy_weight) {
-  std::vector<ClosestPoint::Hit> hits(samples.x.size());
+  std::vector<ClosestPoint::Hit> hits(surface.x.size());
   parallel_for(hits.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) hits[i] = data.query(samples.x[i], reach);
+    for (std::size_t i = begin; i < end; ++i) hits[i] = data.query(surface.x[i], reach);
   });
-  const double total = sum(area);
   ScalarRows rows;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const ClosestPoint::Hit& hit = hits[i];
     if (hit.triangle < 0) continue;
-    Vec3 m = samples.x[i] - hit.point;
+    Vec3 m = surface.x[i] - hit.point;
     const double distance = m.norm();
     // On the surface itself the direction of the distance is lost: its normal stands for it.
-    const Vec3& n = samples.normal[i];
+    const Vec3& n = surface.normal[i];
     m = distance > 1e-9 * reach ? Vec3(m / distance) : n;
     if (!data_normals.empty() && data_normals[static_cast<std::size_t>(hit.triangle)].dot(n) < 0.0) continue;
-    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
+    const double root = std::sqrt(2.0 * energy_weight * surface.area[i] / surface.total_area);
     rows.add(static_cast<int>(i), root * m);
     rows.close(root * m.dot(hit.point));
   }
   return rows;
 }
 
-ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
-                          double reach, double energy_weight) {
+ScalarRows overshoot_rows(const SampleView& surface, const PointTree& points, double reach, double energy_weight) {
   constexpr double kAlong = 0.7;  // across a hole the way to its rim is none along the normal
-  std::vector<PointTree::Neighbour> nearest(samples.x.size());
+  std::vector<PointTree::Neighbour> nearest(surface.x.size());
   parallel_for(nearest.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) nearest[i] = points.nearest(samples.x[i], 1).front();
+    for (std::size_t i = begin; i < end; ++i) nearest[i] = points.nearest(surface.x[i], 1).front();
   });
-  const double total = sum(area);
   ScalarRows rows;
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     const double distance = nearest[i].distance;
-    const Vec3 &x = samples.x[i], &p = points.points()[static_cast<std::size_t>(nearest[i].point)];
-    if (distance <= reach || std::abs(samples.normal[i].dot(x - p)) < kAlong * distance) continue;
-    const Vec3 n = std::sqrt(2.0 * energy_weight * area[i] / total) * samples.normal[i];
+    const Vec3 &x = surface.x[i], &p = points.points()[static_cast<std::size_t>(nearest[i].point)];
+    if (distance <= reach || std::abs(surface.normal[i].dot(x - p)) < kAlong * distance) continue;
+    const Vec3 n = std::sqrt(2.0 * energy_weight * surface.area[i] / surface.total_area) * surface.normal[i];
     rows.add(static_cast<int>(i), n);
     rows.close(n.dot(p));
   }
@@ -156,15 +151,12 @@ std::vector<double> huber_weights(const std::vector<double>& distances, double c
   return robust_weights(distances, cutoff, floor, [](double r) { return r > 1.0 ? 1.0 / r : 1.0; });
 }
 
-ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,
-                        const std::vector<double>& area, const std::vector<int>& held, double energy_weight) {
-  double total = held.empty() ? sum(area) : 0.0;
-  for (const int i : held) total += area[static_cast<std::size_t>(i)];
+ScalarRows sliding_rows(const SampleView& surface, const std::vector<Vec3>& targets, double energy_weight) {
   ScalarRows rows;
-  for (std::size_t k = 0; k < (held.empty() ? targets.size() : held.size()); ++k) {
-    const std::size_t i = held.empty() ? k : static_cast<std::size_t>(held[k]);
-    const double root = std::sqrt(2.0 * energy_weight * area[i] / total);
-    const Vec3 t1 = normal[i].unitOrthogonal(), t2 = normal[i].cross(t1);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const double root = std::sqrt(2.0 * energy_weight * surface.area[i] / surface.total_area);
+    const Vec3& n = surface.normal[i];
+    const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
     for (const Vec3& t : {t1, t2}) {
       rows.add(static_cast<int>(i), root * t);
       rows.close(root * t.dot(targets[i]));
@@ -185,6 +177,38 @@ ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<doubl
     }
   }
   return rows;
+}
+
+PointDistances summary_of(const ExpertPoints& points, const std::vector<double>& distances) {
+  PointDistances out;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < distances.size(); ++k) {
+    if (!(points.weight(k) > 0.0)) continue;
+    ++out.count;
+    squares += distances[k] * distances[k];
+    out.max_mm = std::max(out.max_mm, distances[k]);
+  }
+  if (out.count > 0) out.rms_mm = std::sqrt(squares / static_cast<double>(out.count));
+  return out;
+}
+
+PointTargets point_targets(const ExpertPoints& points, const SampleView& surface, double h) {
+  PointTargets out{.points = &points, .at = attach(points.points, surface)};
+  out.sliding_fraction = points.held ? 1.0 : 0.0;
+  std::vector<double> distances;
+  distances.reserve(out.at.size());
+  for (const Attachment& a : out.at) distances.push_back(a.distance);
+  const std::vector<double> sound = huber_weights(distances, 3.0, 2.0 / 3.0 * h);
+  for (std::size_t k = 0; k < distances.size(); ++k) {
+    out.given.push_back(points.weight(k));
+    out.robust.push_back(points.weight(k) * sound[k]);
+  }
+  return out;
+}
+
+TermOutput SpringsTerm::operator()(const StepView& step) const {
+  if (step.points == nullptr || step.points->points.empty()) return {};
+  return {point_targets(*step.points, step.surface, step.h)};
 }
 
 }  // namespace pellicle

@@ -11,43 +11,33 @@
 /// The reverse springs pull every sample to the nearest place of a closed data surface:
 /// E = sum_i (A_i/A) w_i (m_i . (x_i - y_i))^2, m_i the direction of the distance.
 
+#include "pellicle/energies/point_targets.h"
 #include "pellicle/energies/rows.h"
+#include "pellicle/energies/term.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/surface/samples.h"
 
 namespace pellicle {
 
 class PointTree;
 
-/// The place of the surface nearest to a data point.
-struct Attachment {
-  int triangle = -1;  ///< of the layout; -1: none
-  Vec3 barycentric = Vec3::Zero();
-  Vec3 lift = Vec3::Zero();    ///< mm, from the facet to the smooth surface
-  Vec3 normal = Vec3::Zero();  ///< outward unit normal of the surface
-  double offset = 0.0;         ///< n . (y - x), mm: positive where the data lie outside
-  double distance = 0.0;       ///< |y - x|, mm
-};
-
 /// Threads over points, deterministic.
-std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleLayout& layout,
-                               const SurfaceSamples& samples);
+std::vector<Attachment> attach(const std::vector<Vec3>& points, const SampleView& surface);
 
-/// \param weights one a point, >= 0; empty: 1 each. Points without weight or attachment give no rows.
+/// \param weights one per point, >= 0; empty: 1 each. Points without weight or attachment give no rows.
 /// \param total what the weights are divided by (W above); the energy does not fall when weights are made robust.
 ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& points,
                        const std::vector<Attachment>& attachments, const std::vector<double>& weights, double total,
-                       double sliding_share, double energy_weight);
+                       double sliding_fraction, double energy_weight);
 
-/// Reverse springs. \param area of the samples. \param reach mm: samples further from the data get no row.
+/// Reverse springs.
+/// \param reach mm: samples further from the data get no row.
 /// \param data_normals of the data mesh's facets: places that face the other way are not taken; empty: all are.
-ScalarRows reverse_spring_rows(const SurfaceSamples& samples, const std::vector<double>& area, const ClosestPoint& data,
+ScalarRows reverse_spring_rows(const SampleView& surface, const ClosestPoint& data,
                                const std::vector<Vec3>& data_normals, double reach, double energy_weight);
 
 /// Springs along the normals from samples that lie further than `reach` mm from every point, and off them along their
-/// normals, to the nearest point: limbs that reach beyond the data. \param area of the samples.
-ScalarRows overshoot_rows(const SurfaceSamples& samples, const std::vector<double>& area, const PointTree& points,
-                          double reach, double energy_weight);
+/// normals, to the nearest point: limbs that reach beyond the data.
+ScalarRows overshoot_rows(const SampleView& surface, const PointTree& points, double reach, double energy_weight);
 
 /// Tukey's biweight (1 - (r/c)^2)^2 within c = `cutoff` robust deviations of the distances, 0 beyond; the deviation is
 /// at least `floor` mm.
@@ -57,11 +47,19 @@ std::vector<double> tukey_weights(const std::vector<double>& distances, double c
 std::vector<double> huber_weights(const std::vector<double>& distances, double cutoff, double floor);
 
 /// Rows that draw samples along the surface to places of their own: E = sum_i (A_i/A) |(I - n_i n_i^T)(x_i - y_i)|^2.
-/// \param held the samples that take part (their areas are scaled to A); empty: all.
-ScalarRows sliding_rows(const std::vector<Vec3>& targets, const std::vector<Vec3>& normal,
-                        const std::vector<double>& area, const std::vector<int>& held, double energy_weight);
+ScalarRows sliding_rows(const SampleView& surface, const std::vector<Vec3>& targets, double energy_weight);
 
-/// E = sum_i (A_i/A) |x_i - y_i|^2: every sample to a place of its own. \pre one target a sample.
+/// E = sum_i (A_i/A) |x_i - y_i|^2: every sample to a place of its own. \pre one target per sample.
 ScalarRows target_rows(const std::vector<Vec3>& targets, const std::vector<double>& area, double energy_weight);
+
+/// Expert points attached to the present surface. Weights are Huber's: full up to c, c/distance beyond it, c the larger
+/// of 2 h and three robust deviations, so that a stray point pulls no harder the further off it is. (Weights that fall
+/// to nothing would lose the points where the image leads the surface astray.)
+PointTargets point_targets(const ExpertPoints& points, const SampleView& surface, double h);
+
+/// Pulls where points are given.
+struct SpringsTerm {
+  TermOutput operator()(const StepView& step) const;
+};
 
 }  // namespace pellicle

@@ -2,6 +2,7 @@
 // of AAL were drawn on a mean head, not on the edges of this one; those of the subcortical volume are FreeSurfer's.
 #include <fmt/format.h>
 
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
@@ -45,7 +46,7 @@ void rows_for(const std::string& object, const Image<float>& image, const Image<
          {Way{"image and points", true, true}, Way{"points alone", true, false}, Way{"image alone", false, true}}) {
       FitOptions settings;
       settings.model.kind = kind;
-      if (!way.image) settings.energies = {{"region", 0.0}, {"edge", 0.0}};
+      if (!way.image) settings.energies = {{energy::region, 0.0}, {energy::edge, 0.0}};
       const double begin = seconds_now();
       const Seed start = way.points ? seed_of_points(points, image.grid, settings).value_or(seed) : Seed(seed);
       const FitResult fit = fit_surface({image, {start}, way.points ? points : ExpertPoints{}}, settings);

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/synthetic/phantom.h"
@@ -17,18 +18,19 @@ namespace {
 std::vector<Stage> stages_with(Solver solver, bool flux) {
   std::vector<Stage> stages;
   for (int detail = 1; detail <= 2; ++detail) {
-    Stage stage{.name = fmt::format("region {}", detail),
-                .detail = detail,
-                .energies = {{"region", 1.0}, {"bending", detail == 1 ? 2e-3 : 2e-4}, {"spacing", 0.05}},
-                .resolution = 0.0,
-                .smoothing = 1.0,
-                .reach = 5.0,
-                .max_steps = 12,
-                .tolerance = 0.02,
-                .solver = solver};
+    Stage stage{
+        .name = fmt::format("region {}", detail),
+        .detail = detail,
+        .energies = {{energy::region, 1.0}, {energy::bending, detail == 1 ? 2e-3 : 2e-4}, {energy::spacing, 0.05}},
+        .resolution = 0.0,
+        .smoothing = 1.0,
+        .reach = 5.0,
+        .max_steps = 12,
+        .tolerance = 0.02,
+        .solver = solver};
     if (flux && detail == 2) {
-      stage.energies.erase("region");
-      stage.energies["flux"] = 1.0;
+      stage.energies.erase(energy::region);
+      stage.energies[energy::flux] = 1.0;
       stage.solver = Solver::gradient;
     }
     stages.push_back(stage);

@@ -25,12 +25,10 @@ const Phantom& phantom() {
 struct Session {
   Session(ModelKind kind, int detail)
       : points{.points = sample_surface(phantom().truth_surface, 20)},
-        fit(phantom().image, points, options(kind, detail)) {
-    Attempt attempt(fit.propose(SeedSphere{phantom().natural_center, 50.0}).front());
+        fit(phantom().image, points, options(kind, detail)),
+        attempt(fit.propose(SeedSphere{phantom().natural_center, 50.0}).front()) {
     fit.try_out(attempt);
     fit.refine(attempt);
-    surface = attempt.now;
-    last = attempt.last;
   }
   static FitOptions options(ModelKind kind, int detail) {
     FitOptions options;
@@ -42,8 +40,7 @@ struct Session {
   }
   ExpertPoints points;
   SurfaceFit fit;
-  Candidate surface{};
-  StageRequest last;
+  Attempt attempt;
 };
 
 void move_one_point(benchmark::State& state) {
@@ -53,10 +50,10 @@ void move_one_point(benchmark::State& state) {
     session.points.points.front().x() += shift;
     shift = -shift;
     session.fit.set_points(session.points);
-    Candidate candidate = session.surface;
-    benchmark::DoNotOptimize(session.fit.advance(candidate, session.last));
+    Candidate candidate = session.attempt.now;
+    benchmark::DoNotOptimize(session.fit.advance(candidate, session.attempt.last));
   }
-  state.counters["control_points"] = control_point_count(session.surface.surface.model);
+  state.counters["control_points"] = control_point_count(session.attempt.now.surface.model);
 }
 
 BENCHMARK(move_one_point)->Args({0, 2})->Args({0, 3})->Args({1, 2})->Args({1, 3})->Unit(benchmark::kMillisecond);

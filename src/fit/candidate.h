@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/energies/region.h"
+#include "pellicle/energies/term.h"
 #include "pellicle/fit/fit_types.h"
 #include "pellicle/fit/plan.h"
-#include "pellicle/fit/reading.h"
 #include "pellicle/fit/settings.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/seed/seed.h"
@@ -24,13 +23,6 @@ struct SearchLimit {
   SearchLimit(const TriangleMesh& mesh, double length_mm) : outline(mesh), length(length_mm) {}
   ClosestPoint outline;
   double length;  ///< mm
-};
-
-/// What is known of an object that is one of many of its kind. Nothing by default.
-struct OneOfMany {
-  const Image<float>* territory = nullptr;       ///< above 1/2 where the object may be; profiles end there
-  double radius = 0.0;                           ///< mm, of a typical object; 0: unknown
-  const std::vector<double>* typical = nullptr;  ///< mm from the centroid, of a typical object, one per sample
 };
 
 struct Candidate {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/energies/profiles.h"
+#include "pellicle/energies/reading.h"
+
 namespace pellicle {
 
 namespace {

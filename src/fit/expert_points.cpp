@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/base/random.h"
-#include "pellicle/energies/profiles.h"
-#include "pellicle/energies/springs.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
@@ -16,52 +14,7 @@ namespace {
 
 constexpr std::size_t kEnough = 12;
 
-double weight_at(const ExpertPoints& points, std::size_t k) {
-  return points.weights.empty() ? 1.0 : points.weights[k];
-}
-
-PointDistances summary_of(const ExpertPoints& points, const std::vector<double>& distances) {
-  PointDistances out;
-  double squares = 0.0;
-  for (std::size_t k = 0; k < distances.size(); ++k) {
-    if (!(weight_at(points, k) > 0.0)) continue;
-    ++out.count;
-    squares += distances[k] * distances[k];
-    out.max_mm = std::max(out.max_mm, distances[k]);
-  }
-  if (out.count > 0) out.rms_mm = std::sqrt(squares / static_cast<double>(out.count));
-  return out;
-}
-
 }  // namespace
-
-ExpertRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
-                       double weight, double h, bool hold_out) {
-  const std::vector<Attachment> attachments = attach(points.points, layout, samples);
-  std::vector<double> size, weights;
-  size.reserve(attachments.size());
-  for (const Attachment& a : attachments) size.push_back(a.distance);
-  ExpertRows out;
-  out.distances = summary_of(points, size);
-  const std::vector<double> sound = huber_weights(size, 3.0, 2.0 / 3.0 * h);
-  double total = 0.0, squares = 0.0, left_out = 0.0;
-  weights.reserve(size.size());
-  for (std::size_t k = 0; k < size.size(); ++k) {
-    const double w = weight_at(points, k), robust = w * sound[k];
-    if (hold_out && RandomEngine(k).next() % 4 == 0) {
-      squares += robust * size[k] * size[k];
-      left_out += w;
-      weights.push_back(0.0);
-    } else {
-      total += w;
-      weights.push_back(robust);
-    }
-  }
-  if (left_out > 0.0) out.held_out = squares / left_out;
-  out.rows = {"springs",
-              spring_rows(layout, points.points, attachments, weights, total, points.held ? 1.0 : 0.0, weight)};
-  return out;
-}
 
 PointDistances distances_to(const ExpertPoints& points, const Surface& surface, double h) {
   const ClosestPoint nearest(tessellate(surface, std::max(3, tessellation_level(surface, 0.5 * h))));
@@ -76,7 +29,7 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
   double total = 0.0;
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < points.points.size(); ++k) {
-    const double w = weight_at(points, k);
+    const double w = points.weight(k);
     count += w > 0.0 ? 1 : 0;
     total += w;
     mean += w * points.points[k];
@@ -86,7 +39,7 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
   Mat3 moments = Mat3::Zero();
   for (std::size_t k = 0; k < points.points.size(); ++k) {
     const Vec3 r = points.points[k] - mean;
-    moments += weight_at(points, k) / total * r * r.transpose();
+    moments += points.weight(k) / total * r * r.transpose();
   }
   // On an ellipsoid with half axes a, the image of the evenly covered unit sphere, the moments are a^2/3.
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(3.0 * moments);

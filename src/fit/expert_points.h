@@ -1,28 +1,13 @@
 #pragma once
-/// Expert points in a fit: springs to the nearest place of the surface, and a start from points alone.
+/// Expert points in a fit: a start from points alone, and how far the surface lies from them.
 
 #include <memory>
 #include <optional>
 
 #include "pellicle/fit/fit.h"
-#include "pellicle/fit/objective.h"
 #include "pellicle/fit/stage.h"
 
 namespace pellicle {
-
-/// Springs of one step, and what they say of the present surface.
-struct ExpertRows {
-  NamedRows rows;
-  PointDistances distances;  ///< of the surface's sample mesh
-  double held_out = -1.0;    ///< mm^2, mean square distance of the points left out, far ones counted as Huber does
-};
-
-/// Springs (energies/springs.h) to the places that are nearest now. Weights are Huber's: full up to c, c/distance
-/// beyond it, c the larger of 2 h and three robust deviations, so that a stray point pulls no harder the further off it
-/// is. (Weights that fall to nothing would lose the points where the image leads the surface astray.) \param h of the
-/// working image, mm. \param hold_out leave every fourth point out (by a fixed draw) and measure there.
-ExpertRows expert_rows(const ExpertPoints& points, const SampleLayout& layout, const SurfaceSamples& samples,
-                       double weight, double h, bool hold_out);
 
 /// Of points with a weight to the surface as a fine mesh.
 PointDistances distances_to(const ExpertPoints& points, const Surface& surface, double h);

@@ -70,12 +70,6 @@ struct HypothesisSummary {
   bool chosen = false;
 };
 
-/// How far the expert points lie from the surface.
-struct PointDistances {
-  std::size_t count = 0;  ///< points with a weight
-  double rms_mm = 0.0, max_mm = 0.0;
-};
-
 struct FitSummary {
   FitStatus status = FitStatus::no_contrast;
   std::string reason;                ///< one sentence for the status

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pellicle/energies/edge.h"
+#include "pellicle/energies/energy_kinds.h"
+#include "pellicle/energies/profiles.h"
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/seed/head.h"
 #include "pellicle/seed/rays.h"

@@ -9,9 +9,10 @@
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/rim_springs.h"
-#include "pellicle/fit/objective.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/solve/hold_out.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 
@@ -39,10 +40,6 @@ SampleLayout fit_layout(const SurfaceModel& model) {
   int level = 1;
   while (level < 6 && control_point_count(model) * std::pow(4.0, level) < 1500.0) ++level;
   return knot_layout_of(model, level);
-}
-
-bool is_held_out(std::size_t point) {
-  return RandomEngine(point).next() % 10 == 0;
 }
 
 std::vector<double> distances_of(const std::vector<Attachment>& at) {
@@ -99,7 +96,7 @@ void LevelFit::choose_points() {
   for (std::size_t k = 0; k < n; ++k) {
     if (stride > 1 && RandomEngine(k ^ 0x5bd1e995U).next() % stride != 0) continue;
     const double given = data_.weights.empty() ? 1.0 : data_.weights[k];
-    if (hold_out_ && is_held_out(k)) {
+    if (hold_out_ && is_held_out(k, 10)) {
       held_out_.push_back(data_.points[k]);
       held_out_weight_.push_back(given);
       continue;
@@ -200,24 +197,22 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
 
 void LevelFit::step() {
   observer_.check_stopped();
-  SurfaceSamples samples;
-  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-  const std::vector<Attachment> at = attach(chosen_, layout_, samples);
-  const std::vector<double> area = sample_areas(layout_, samples.x);
-  const double share = data_surface_ ? 0.5 : 1.0;
+  const SampledSurface now(layout_, surface_);
+  const std::vector<Attachment> at = attach(chosen_, now);
+  const double half = data_surface_ ? 0.5 : 1.0;  // springs and reverse springs count alike
   std::vector<NamedRows> rows;
-  rows.push_back({"springs", spring_rows(layout_, chosen_, at, weights_of(at), total_weight_, 0.0, share)});
+  rows.push_back({"springs", spring_rows(layout_, chosen_, at, weights_of(at), total_weight_, 0.0, half)});
   if (data_surface_) {
-    rows.push_back({"reverse springs",
-                    reverse_spring_rows(samples, area, *data_surface_, data_normals_, 0.2 * data_.diameter, share)});
+    rows.push_back(
+        {"reverse springs", reverse_spring_rows(now, *data_surface_, data_normals_, 0.2 * data_.diameter, half)});
   }
   if (cloud_ && grows()) {
-    rows.push_back({"overshoot", overshoot_rows(samples, area, *cloud_, reach_, kOvershoot)});
+    rows.push_back({"overshoot", overshoot_rows(now, *cloud_, reach_, kOvershoot)});
   }
-  const std::vector<Vec3>& anchors = anchors_.empty() ? samples.x : anchors_;
-  rows.push_back({"anchor", sliding_rows(anchors, samples.normal, area, {}, kAnchor)});
+  const std::vector<Vec3>& anchors = anchors_.empty() ? now.x() : anchors_;
+  rows.push_back({"anchor", sliding_rows(now, anchors, kAnchor)});
   if (rim_) {
-    rows.push_back({"rim springs", rim_spring_rows(border_, samples, *rim_, 0.2 * data_.diameter, kRim)});
+    rows.push_back({"rim springs", rim_spring_rows(border_, now, *rim_, 0.2 * data_.diameter, kRim)});
   }
   const Parameters before = surface_.parameters;
   solve(std::move(rows));
@@ -244,9 +239,7 @@ void LevelFit::springs() {
       deviation_ = std::max(kLeastDeviation, kDeviationShare * deviation_);
       continue;
     }
-    SurfaceSamples samples;
-    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-    const double here = rms_of(attach(chosen_, layout_, samples), given_weight_);
+    const double here = rms_of(attach(chosen_, SampledSurface(layout_, surface_)), given_weight_);
     poor = best < 0.0 || here < (1.0 - settings_.improvement) * best ? 0 : poor + 1;
     if (best < 0.0 || here < best) {
       best = here;
@@ -269,11 +262,7 @@ void LevelFit::bound_residuals() {
   std::vector<Vec3> all = data_.points;
   if (data_.surface) all.insert(all.end(), data_.surface->vertices.begin(), data_.surface->vertices.end());
   std::vector<int> place(all.size(), -1);  // among the chosen
-  const auto look = [&] {
-    SurfaceSamples samples;
-    evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-    return distances_of(attach(all, layout_, samples));
-  };
+  const auto look = [&] { return distances_of(attach(all, SampledSurface(layout_, surface_))); };
   const auto largest = [](const std::vector<double>& of) { return *std::max_element(of.begin(), of.end()); };
   std::vector<double> distance = look();
   double least = largest(distance);
@@ -326,10 +315,9 @@ PointFit LevelFit::result(double seconds) const {
   fit.summary.solver_iterations = iterations_;
   fit.summary.reason = reason_;
   fit.summary.seconds = seconds;
-  SurfaceSamples samples;
-  evaluate(surface_.model, surface_.parameters, layout_, false, samples);
-  fit.summary.inlier_rms = rms_of(attach(chosen_, layout_, samples), given_weight_);
-  if (!held_out_.empty()) fit.summary.held_out_rms = rms_of(attach(held_out_, layout_, samples), held_out_weight_);
+  const SampledSurface now(layout_, surface_);
+  fit.summary.inlier_rms = rms_of(attach(chosen_, now), given_weight_);
+  if (!held_out_.empty()) fit.summary.held_out_rms = rms_of(attach(held_out_, now), held_out_weight_);
   return fit;
 }
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "pellicle/energies/springs.h"
-#include "pellicle/fit/linear_system.h"
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/solve/linear_system.h"
 
 namespace pellicle {
 

@@ -10,6 +10,7 @@
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/body.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/many_evidence.h"
 #include "pellicle/fit/many_piece.h"
 #include "pellicle/mesh/measure.h"
@@ -35,16 +36,14 @@ struct ObjectFit {
 void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& piece, const Territory& territory,
            Domain domain, ObjectFit& c) {
   const StageGeometry& geometry = cache.get(c.state.surface.model, 2);
-  SurfaceSamples samples;
-  evaluate(c.state.surface.model, c.state.surface.parameters, geometry.layout, false, samples);
-  const std::vector<double> area = sample_areas(geometry.layout, samples.x);
+  const SampledSurface samples(geometry.layout, c.state.surface);
   const BodyReading reading =
-      read_body(TrilinearField(piece), samples.x, samples.normal, area,
+      read_body(TrilinearField(piece), samples,
                 {.half_width = 0.35, .least_radius = 0.3 * scene.radius, .territory = &territory.own});
   c.inside = reading.inside;
   c.beyond = reading.beyond;
-  const double volume = facet_volume(geometry.layout, samples.x);
-  c.evidence = evidence_of_body(scene.image.grid, samples.x, area, reading);
+  const double volume = samples.volume();
+  c.evidence = evidence_of_body(scene.image.grid, samples.x(), samples.area(), reading);
   c.evidence.response = c.start.response;
   c.evidence.radius = std::cbrt(3.0 * volume / (4.0 * std::numbers::pi));
   double weak = 0.0;
@@ -53,7 +52,7 @@ void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& pie
   if (domain == Domain::linear) return;
   // How uneven the object is, in linear intensities (v^2 - 1): a bright core in a faint rim, or one level.
   const auto linear = [](double v) { return v * v - 1.0; };
-  const std::vector<double> values = values_inside(TrilinearField(piece), samples.x, reading.centroid, 4);
+  const std::vector<double> values = values_inside(TrilinearField(piece), samples.x(), reading.centroid, 4);
   std::vector<double> around;
   around.reserve(piece.voxels.size() / 8 + 1);
   for (std::size_t i = 0; i < piece.voxels.size(); i += 8) around.push_back(static_cast<double>(piece.voxels[i]));

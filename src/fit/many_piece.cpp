@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pellicle/energies/profiles.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {

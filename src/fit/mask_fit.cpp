@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/fit.h"
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/fit/stage.h"
@@ -50,7 +51,7 @@ MaskFit fitted(const Image<float>& image, Candidate state, const std::vector<std
   for (const auto& [detail, reach] : stages) {
     const Stage stage{.name = "mask",
                       .detail = detail,
-                      .energies = {{"region", 1.0}, {"bending", 5e-6}, {"spacing", 0.3}},
+                      .energies = {{energy::region, 1.0}, {energy::bending, 5e-6}, {energy::spacing, 0.3}},
                       .resolution = 0.0,
                       .smoothing = 0.7,
                       .reach = 5.0,

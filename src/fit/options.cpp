@@ -37,17 +37,14 @@ void validate_solver(const FitOptions& o) {
 
 // Energies that need data: a target volume, expert points.
 void validate_needs(const FitOptions& o, bool with_points) {
-  const auto weighted = [](const auto& weights, const char* name) {
-    const auto at = weights.find(name);
-    return at != weights.end() && at->second > 0.0;
+  const auto any_stage = [&](auto rule) {
+    return rule(o.energies) ||
+           std::any_of(o.stages.begin(), o.stages.end(), [&](const Stage& s) { return rule(s.energies); });
   };
-  const bool springs =
-      weighted(o.energies, "springs") ||
-      std::any_of(o.stages.begin(), o.stages.end(), [&](const Stage& s) { return weighted(s.energies, "springs"); });
-  require(!springs || with_points, "the energy 'springs' has no points", "energy, points", "give expert points");
+  const bool points = any_stage([](const EnergyWeights& w) { return w.uses(&EnergyTraits::needs_points); });
+  require(!points || with_points, "the energy 'springs' has no points", "energy, points", "give expert points");
   const bool volume =
-      o.energies.contains("volume") ||
-      std::any_of(o.stages.begin(), o.stages.end(), [](const Stage& s) { return s.energies.contains("volume"); });
+      any_stage([](const EnergyWeights& w) { return w.with(&EnergyTraits::needs_target_volume) != nullptr; });
   require(o.target_volume_ml || !volume, "the energy 'volume' has no target", "energy, target-volume",
           "give the target volume in ml");
 }

@@ -1,7 +1,6 @@
 #pragma once
 /// What a user may choose about a fit, and what a fit is given to work on.
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,8 +19,8 @@ struct FitOptions {
   std::optional<int> detail;  ///< at most so many refinements; default: the fit decides by evidence
   Polarity polarity = Polarity::automatic;
   Boundary boundary = Boundary::automatic;
-  std::optional<double> smoothing_mm;      ///< of the image forces in every stage
-  std::map<std::string, double> energies;  ///< weights in the stages that use the energy; in all, when none does
+  std::optional<double> smoothing_mm;  ///< of the image forces in every stage
+  EnergyWeights energies = {};         ///< weights in the stages that use the energy; in all, when none does
   std::optional<double> target_volume_ml;
   double volume_weight = 1.0;
   std::optional<int> max_iterations;               ///< steps at most, of every stage

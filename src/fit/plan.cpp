@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/fit/dynamics.h"
+#include "pellicle/energies/energy_kinds.h"
+#include "pellicle/solve/dynamics.h"
 
 namespace pellicle {
 
@@ -37,18 +38,18 @@ std::vector<Stage> resolved(std::vector<Stage> stages, const FitOptions& options
     stage.tolerance = options.tolerance.value_or(stage.tolerance);
     if (options.smoothing_mm) stage.smoothing_mm = options.smoothing_mm;
     if (options.detail) stage.detail = std::min(stage.detail, *options.detail);
-    if (with_points) stage.energies.try_emplace("springs", 1.0);
+    if (with_points && !stage.energies.contains(energy::springs)) stage.energies[energy::springs] = 1.0;
   }
-  for (const auto& [name, weight] : options.energies) {
+  for (const auto& [kind, weight] : options.energies) {
     const bool used =
-        std::any_of(stages.begin(), stages.end(), [&, n = name](const Stage& s) { return s.energies.contains(n); });
+        std::any_of(stages.begin(), stages.end(), [&, k = kind](const Stage& s) { return s.energies.contains(*k); });
     for (Stage& stage : stages) {
-      if (!used || stage.energies.contains(name)) stage.energies[name] = weight;
+      if (!used || stage.energies.contains(*kind)) stage.energies[*kind] = weight;
     }
   }
   if (options.target_volume_ml) {
     for (Stage& stage : stages) {
-      stage.energies.try_emplace("volume", options.volume_weight);
+      if (!stage.energies.contains(energy::volume)) stage.energies[energy::volume] = options.volume_weight;
       stage.target_volume = 1000.0 * *options.target_volume_ml;
     }
   }
@@ -61,21 +62,22 @@ std::vector<Stage> default_stages(StartRule rule) {
     const double bending[] = {2e-3, 2e-4, 5e-6};
     const int steps[] = {60, 40, 30};
     for (int d = 1; d <= 3; ++d) {
-      stages.push_back({.name = fmt::format("crossing {}", d),
-                        .detail = d,
-                        .energies = {{"crossing", 1.0}, {"bending", bending[d - 1]}, {"spacing", 0.3}},
-                        .resolution = 1.0,
-                        .smoothing = 0.5,
-                        .reach = 5.0,
-                        .max_steps = steps[d - 1],
-                        .tolerance = 0.05});
+      stages.push_back(
+          {.name = fmt::format("crossing {}", d),
+           .detail = d,
+           .energies = {{energy::crossing, 1.0}, {energy::bending, bending[d - 1]}, {energy::spacing, 0.3}},
+           .resolution = 1.0,
+           .smoothing = 0.5,
+           .reach = 5.0,
+           .max_steps = steps[d - 1],
+           .tolerance = 0.05});
     }
     return stages;
   }
   const auto region = [](std::string name, int detail, double bending, int steps) {
     return Stage{.name = std::move(name),
                  .detail = detail,
-                 .energies = {{"region", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .energies = {{energy::region, 1.0}, {energy::bending, bending}, {energy::spacing, 0.05}},
                  .resolution = 0.0,
                  .smoothing = 1.0,
                  .reach = 5.0,
@@ -85,7 +87,7 @@ std::vector<Stage> default_stages(StartRule rule) {
   const auto edge = [](std::string name, int detail, double bending) {
     return Stage{.name = std::move(name),
                  .detail = detail,
-                 .energies = {{"edge", 1.0}, {"bending", bending}, {"spacing", 0.05}},
+                 .energies = {{energy::edge, 1.0}, {energy::bending, bending}, {energy::spacing, 0.05}},
                  .resolution = 1.0,
                  .smoothing = 0.0,
                  .reach = 4.0,
@@ -98,13 +100,14 @@ std::vector<Stage> default_stages(StartRule rule) {
 
 std::vector<Stage> similar_stages() {
   constexpr double kBending = 1e-3;
-  const auto stage = [&](std::string name, int detail, const char* force) {
+  const auto stage = [&](std::string name, int detail, const EnergyKind& force) {
     return Stage{.name = std::move(name),
                  .detail = detail,
-                 .energies = {{force, 1.0}, {"bending", kBending}, {"spacing", 0.05}},
+                 .energies = {{force, 1.0}, {energy::bending, kBending}, {energy::spacing, 0.05}},
                  .resolution = 1.0};
   };
-  Stage coarse = stage("coarse", 1, "region"), region = stage("region", 2, "region"), edge = stage("edge", 2, "edge");
+  Stage coarse = stage("coarse", 1, energy::region), region = stage("region", 2, energy::region),
+        edge = stage("edge", 2, energy::edge);
   coarse.reach = region.reach = 5.0;
   region.max_steps = 8;
   edge.smoothing = 0.0;
@@ -122,14 +125,14 @@ std::vector<Stage> similar_stages() {
 // object, cheap enough to do for each.
 std::size_t comparison_point(const std::vector<Stage>& stages) {
   std::size_t at = 0;
-  while (at < stages.size() && at < 2 && !stages[at].energies.contains("edge")) ++at;
+  while (at < stages.size() && at < 2 && stages[at].energies.with(&EnergyTraits::localises) == nullptr) ++at;
   return std::max<std::size_t>(1, at);
 }
 
 std::vector<Stage> stages_for_many() {
   return {{.name = "body",
            .detail = 0,
-           .energies = {{"body", 1.0}, {"bending", 4e-4}},
+           .energies = {{energy::body, 1.0}, {energy::bending, 4e-4}},
            .resolution = 1.0,
            .smoothing = 0.0,
            .max_steps = 9,
@@ -141,7 +144,8 @@ std::vector<Stage> stages_for_many() {
 // A surface that is near the object is refined by edge stages alone: the wide searches that find an object from a ball
 // would only lead away from it. It is compared after the first, which then runs again with samples left out.
 PlanLine near_line(PlanLine line) {
-  std::erase_if(line.stages, [](const Stage& stage) { return stage.energies.contains("region"); });
+  std::erase_if(line.stages,
+                [](const Stage& stage) { return stage.energies.with(&EnergyTraits::searches) != nullptr; });
   line.stages.insert(line.stages.begin(), line.stages.front());
   line.compare_after = 1;
   return line;
@@ -153,7 +157,7 @@ std::vector<Stage> outline_stages(const FitOptions& options) {
   for (int d = 0; d <= std::min(options.detail.value_or(2), 2); ++d) {
     stages.push_back({.name = "points",
                       .detail = d,
-                      .energies = {{"springs", 1.0}, {"bending", bending[d]}, {"spacing", 0.05}},
+                      .energies = {{energy::springs, 1.0}, {energy::bending, bending[d]}, {energy::spacing, 0.05}},
                       .smoothing = 0.0,
                       .max_steps = 15,
                       .tolerance = 0.02});
@@ -165,8 +169,7 @@ std::vector<Stage> outline_stages(const FitOptions& options) {
 
 bool may_start_at_points(const FitOptions& options) {
   if (options.start_rule != StartRule::automatic || !options.stages.empty()) return false;
-  const auto springs = options.energies.find("springs");
-  return springs == options.energies.end() || springs->second > 0.0;
+  return !options.energies.contains(energy::springs) || options.energies.of(energy::springs) > 0.0;
 }
 
 FitPlan plan_for(const FitOptions& options, StartKind start, bool with_points) {

@@ -9,10 +9,10 @@
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
 #include "pellicle/fit/level_fit.h"
-#include "pellicle/fit/objective.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 

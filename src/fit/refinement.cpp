@@ -14,15 +14,11 @@ constexpr double kNoise = 0.05;      // correlation of neighbouring residuals
 constexpr double kSmoothnessStep = 3.0;
 constexpr int kSmoothnessRounds = 4;
 
-bool uses(const Stage& stage, const char* name) {
-  const auto at = stage.energies.find(name);
-  return at != stage.energies.end() && at->second > 0.0;
-}
-
 // Whether something can be left out of the stage and predicted: edges, or, where no stage has edges, expert points.
 bool measures(const Stage& stage, const std::vector<Stage>& stages) {
-  const bool edges = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return uses(s, "edge"); });
-  return uses(stage, edges ? "edge" : "springs");
+  const bool edges = std::any_of(stages.begin(), stages.end(),
+                                 [](const Stage& s) { return s.energies.uses(&EnergyTraits::localises); });
+  return stage.energies.uses(edges ? &EnergyTraits::localises : &EnergyTraits::needs_points);
 }
 
 const char* kDroppedSamples = "dropped: samples left out are not foretold better";
@@ -59,15 +55,16 @@ std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
 }
 
 void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
-  if (!best.stage.energies.contains("bending")) return;
+  const EnergyKind* smooth = best.stage.energies.with(&EnergyTraits::smooths);
+  if (smooth == nullptr) return;
   const int steps = fit.plan(StartKind::ball).smoothness_steps;
   for (const double factor : {kSmoothnessStep, 1.0 / kSmoothnessStep}) {
     bool improved = false;
     for (int round = 0; round < kSmoothnessRounds; ++round) {
       Stage stage = best.stage;
       stage.max_steps = steps;
-      stage.energies["bending"] *= factor;
-      stage.name = fmt::format("smoothness {:.0e}", stage.energies["bending"]);
+      stage.energies[*smooth] *= factor;
+      stage.name = fmt::format("smoothness {:.0e}", stage.energies[*smooth]);
       Candidate candidate = best.candidate;
       StageOutcome outcome = fit.advance(candidate, {.stage = stage, .hold_out = true});
       const bool better = candidate.status == FitStatus::ok && outcome.held_out_rms < best.outcome.held_out_rms;
@@ -76,7 +73,7 @@ void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
       if (!better) break;
       best.candidate = std::move(candidate);
       best.outcome = std::move(outcome);
-      best.stage.energies["bending"] *= factor;
+      best.stage.energies[*smooth] *= factor;
       improved = true;
     }
     if (improved) break;
@@ -84,10 +81,10 @@ void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
 }
 
 void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best) {
-  if (best.outcome.held_out_points < 0.0 || !uses(best.stage, "edge")) return;
+  if (best.outcome.held_out_points < 0.0 || !best.stage.energies.uses(&EnergyTraits::localises)) return;
   Stage alone = best.stage;
   alone.name = "points alone";
-  alone.energies["edge"] = 0.0;
+  alone.energies[*alone.energies.with(&EnergyTraits::localises)] = 0.0;
   Candidate candidate = attempt.start;
   StageOutcome outcome =
       fit.advance(candidate, {.stage = alone, .first_reach_mm = candidate.first_reach_mm, .hold_out = true});

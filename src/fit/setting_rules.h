@@ -1,7 +1,6 @@
 #pragma once
 /// Rules that several settings of a fit share. Each is thrown as a SettingError.
 
-#include <map>
 #include <string>
 
 #include "pellicle/base/errors.h"
@@ -14,7 +13,7 @@ inline void require(bool rule, const std::string& subject, const std::string& ke
 }
 
 /// \param key of the setting, or the stage, that holds the weights.
-void validate_energies(const std::map<std::string, double>& energies, const std::string& key);
+void validate_energies(const EnergyWeights& energies, const std::string& key);
 void validate_motion(const Motion& motion, const std::string& key);
 
 }  // namespace pellicle

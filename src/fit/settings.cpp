@@ -10,14 +10,12 @@
 
 namespace pellicle {
 
-void validate_energies(const std::map<std::string, double>& energies, const std::string& key) {
-  for (const auto& [name, weight] : energies) {
-    const auto& known = energy_descriptions();
-    const bool exists = std::any_of(known.begin(), known.end(), [&, n = name](const auto& d) { return d.name == n; });
-    require(exists, fmt::format("unknown energy '{}'", name), key, "choose one of the energies that the list names");
-    require(std::isfinite(weight), "energy weight", key, fmt::format("is not a finite number: {}={}", name, weight));
-    require(weight >= 0.0 || name == "inflation", "energy weight", key,
-            fmt::format("must not be negative: {}={}", name, weight));
+void validate_energies(const EnergyWeights& energies, const std::string& key) {
+  for (const auto& [kind, weight] : energies) {
+    require(std::isfinite(weight), "energy weight", key,
+            fmt::format("is not a finite number: {}={}", kind->name, weight));
+    require(weight >= kind->least_weight, "energy weight", key,
+            fmt::format("must not be negative: {}={}", kind->name, weight));
   }
 }
 
@@ -32,7 +30,9 @@ void validate_motion(const Motion& motion, const std::string& key) {
           "nothing holds the surface back, mass and damping are both 0; give one of them");
 }
 
-void ExpertPoints::validate() const {
+void validate(const ExpertPoints& given) {
+  const std::vector<Vec3>& points = given.points;
+  const std::vector<double>& weights = given.weights;
   require(weights.empty() || weights.size() == points.size(), "expert points", "points",
           fmt::format("{} points and {} weights", points.size(), weights.size()));
   bool usable = points.empty();
@@ -60,27 +60,6 @@ void Stage::validate() const {
           fmt::format("must not be negative: {}", tolerance));
   validate_energies(energies, key);
   validate_motion(motion, key);
-}
-
-const std::vector<EnergyDescription>& energy_descriptions() {
-  static const std::vector<EnergyDescription> list{
-      {"region", "residual", "t = argmin int q ds + 0.02 t^2/R",
-       "two levels: line search along each normal (L-BFGS stages: h/A int q dV)"},
-      {"body", "residual", "t = argmax int (I - (a+b)/2)/(a-b) ds/w - 0.075 (t/w)^2",
-       "region for many small bodies: levels of the whole body, profiles end at the neighbours' territories"},
-      {"edge", "residual", "t = int f ds - w + s^2 (k1+k2)/2", "sub-voxel place of the edge, robust"},
-      {"crossing", "residual", "first s with I < low + share (top - low)",
-       "first crossing from inside, for the brain in T1"},
-      {"bending", "residual", "1/(4 pi) int |trace-free Hessian|^2", "smoothness; zero for ellipsoids"},
-      {"tension", "residual", "1/(8 pi) int |grad x|^2", "membrane; pulls together"},
-      {"spacing", "residual", "sum A_i/A |tangential move|^2 + fold barrier",
-       "keeps control points spread and facets unfolded"},
-      {"springs", "residual", "mean w (n . (x - y))^2", "pulls the nearest place to each expert point; needs --points"},
-      {"flux", "scalar", "p h^2 s/(c A) int grad(G_s I) . dA", "flux of the smoothed gradient"},
-      {"volume", "scalar", "r0^2/2 ((V-V0)/(3 V0))^2", "prior on the volume; needs --target-volume"},
-      {"inflation", "scalar", "-h (V-V0)/A", "constant pressure; negative deflates"},
-  };
-  return list;
 }
 
 }  // namespace pellicle

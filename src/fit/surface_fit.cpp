@@ -12,7 +12,7 @@ namespace pellicle {
 
 SurfaceFit::SurfaceFit(const Image<float>& image, ExpertPoints points, FitOptions options, Observer observer)
     : image_(image), points_(std::move(points)), options_(std::move(options)), observer_(std::move(observer)) {
-  points_.validate();
+  pellicle::validate(points_);
   options_.validate(!points_.points.empty());
 }
 
@@ -59,7 +59,7 @@ void SurfaceFit::refine(Attempt& attempt) {
 }
 
 void SurfaceFit::set_points(ExpertPoints points) {
-  points.validate();
+  pellicle::validate(points);
   options_.validate(!points.points.empty());
   points_ = std::move(points);
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// Robust statistics of a T1 head (Smith 2002, Human Brain Mapping 17:143-155).
 
-#include "pellicle/energies/crossing.h"
+#include "pellicle/energies/reading.h"
 #include "pellicle/seed/seed.h"
 
 namespace pellicle {

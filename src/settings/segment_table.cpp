@@ -1,4 +1,5 @@
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/settings/setting_fields.h"
 #include "pellicle/settings/settings.h"
 
@@ -45,6 +46,12 @@ Setting<SegmentSettings> model_row() {
       [](const SegmentSettings& s) { return SettingValues{name_of(s.model_kind())}; });
 }
 
+const EnergyKind& energy_of(const std::string& name, const SettingKey& key, const SettingValues& values) {
+  const EnergyKind* kind = find_energy(name);
+  if (kind == nullptr) refuse_setting(key, values, fmt::format("unknown energy '{}'; see `energy` list", name));
+  return *kind;
+}
+
 void read_weights(SegmentSettings& s, const SettingKey& key, const SettingValues& values) {
   for (const auto& word : values) {
     for (const auto& one : split_commas(word)) {
@@ -52,7 +59,8 @@ void read_weights(SegmentSettings& s, const SettingKey& key, const SettingValues
       if (equals == std::string::npos || equals == 0) {
         refuse_setting(key, values, fmt::format("'{}' is not NAME=WEIGHT; see `energy` list", one));
       }
-      s.fit.energies[one.substr(0, equals)] = SettingValue<double>::read(key, {one.substr(equals + 1)});
+      s.fit.energies[energy_of(one.substr(0, equals), key, values)] =
+          SettingValue<double>::read(key, {one.substr(equals + 1)});
     }
   }
 }
@@ -63,8 +71,8 @@ Setting<SegmentSettings> energy_row() {
        "weight of one energy in every stage; repeat, or A=1,B=2; '`energy` list' explains each"},
       SettingKind::table, read_weights, [](const SegmentSettings& s) {
         SettingValues values;
-        for (const auto& [name, weight] : s.fit.energies) {
-          values.push_back(fmt::format("{}={}", name, weight));
+        for (const auto& [kind, weight] : s.fit.energies) {
+          values.push_back(fmt::format("{}={}", kind->name, weight));
         }
         return values;
       });

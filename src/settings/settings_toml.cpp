@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/settings/internal/toml_reading.h"
 #include "pellicle/settings/setting_words.h"
 #include "pellicle/settings/toml_settings.h"
@@ -46,7 +47,10 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.motion.damping = number();
     } else if (name == "energies" && node.is_table()) {
       for (const auto& [energy, weight] : *node.as_table()) {
-        stage.energies[std::string(energy.str())] = number_of(scalar_text(weight, where), where);
+        const EnergyKind* kind = find_energy(energy.str());
+        if (kind == nullptr)
+          throw SettingError("unknown energy", "energy", std::string(energy.str()), "see `energy` list").at(where);
+        stage.energies[*kind] = number_of(scalar_text(weight, where), where);
       }
     } else {
       throw UsageError(
@@ -72,6 +76,12 @@ void apply_stages(const toml::node& node, const std::string& origin, SegmentSett
     }
     settings.fit.stages.push_back(stage_of(*table, origin));
   }
+}
+
+std::map<std::string, double> by_name(const EnergyWeights& weights) {
+  std::map<std::string, double> named;
+  for (const auto& [kind, weight] : weights) named.emplace(kind->name, weight);
+  return named;
 }
 
 std::string toml_table(const std::string& heading, const std::map<std::string, double>& weights) {
@@ -112,7 +122,7 @@ std::string toml_of_stages(const std::vector<Stage>& stages) {
                         quoted(name_of(stage.solver)));
     const Motion& motion = stage.motion;
     text += fmt::format("time_step = {}\nmass = {}\ndamping = {}\n", motion.time_step, motion.mass, motion.damping);
-    text += toml_table("stage.energies", stage.energies);
+    text += toml_table("stage.energies", by_name(stage.energies));
   }
   return text;
 }
@@ -123,7 +133,7 @@ nlohmann::ordered_json json_of(const SegmentSettings& settings, const std::vecto
   for (const auto& stage : settings.fit.stages) {
     json["stage"].push_back({{"name", stage.name},
                              {"detail", stage.detail},
-                             {"energies", stage.energies},
+                             {"energies", by_name(stage.energies)},
                              {"resolution", stage.resolution},
                              {"smoothing", stage.smoothing},
                              {"reach", stage.reach},

@@ -95,7 +95,8 @@ TEST(Edge, sphere_is_seen_s2_over_R_inside_and_the_correction_takes_it_away) {
     EdgeMeasurement m = measure_edge(p, graph, {.h = 1.0});
     const double bias = blur * blur / radius;
     EXPECT_NEAR(m.targets.offset[0] / -bias, 1.0, 0.15) << "radius " << radius;
-    add_curvature_correction(sum_of_curvatures(s.layout, s.x, s.normal), blur, 1.0, m.targets);
+    m.targets.correction = curvature_correction(sum_of_curvatures(s.surface()), blur, 1.0);
+    apply_correction(m.targets);
     double mean = 0.0;
     for (const double t : m.targets.offset) mean += t / static_cast<double>(s.x.size());
     EXPECT_LE(std::abs(mean), 0.15 * bias) << "radius " << radius;
@@ -213,7 +214,7 @@ TEST(OffsetRows, are_the_weighted_mean_square_of_what_is_left) {
   const std::vector<double> area = sample_areas(s.layout, s.x);
   NormalTargets targets{std::vector<double>(s.x.size(), 0.5), std::vector<double>(s.x.size(), 1.0)};
   targets.weight[3] = 0.0;
-  const ScalarRows rows = offset_rows(s.x, s.normal, area, targets, 2.0);
+  const ScalarRows rows = offset_rows(s.surface(), targets, 2.0);
   EXPECT_EQ(rows.size(), s.x.size() - 1);
   const double share = 1.0 - area[3] / sum(area);
   EXPECT_NEAR(test::energy_of(rows, s.x), 2.0 * 0.25 * share, 1e-10);

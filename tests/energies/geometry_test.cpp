@@ -111,7 +111,7 @@ TEST(Volume, far_from_the_origin_nothing_is_lost) {
 TEST(Curvature, of_spheres_and_its_scaling) {
   for (const double radius : {5.0, 20.0}) {
     const Samples s = test::sphere_samples(4, radius, Vec3(9, 9, 9));
-    const std::vector<double> k = sum_of_curvatures(s.layout, s.x, s.normal);
+    const std::vector<double> k = sum_of_curvatures(s.surface());
     // Where five facets meet, a third of their area is not what belongs to the sample: a sixth off there, nowhere else.
     const SampleGraph graph(s.layout);
     for (int i = 0; i < s.layout.sample_count(); ++i) {
@@ -128,7 +128,7 @@ TEST(Curvature, of_an_ellipsoid_at_its_poles) {
     s.normal[i] = s.x[i].cwiseQuotient(axes).normalized();
     s.x[i] = s.x[i].cwiseProduct(axes);
   }
-  const std::vector<double> k = sum_of_curvatures(s.layout, s.x, s.normal);
+  const std::vector<double> k = sum_of_curvatures(s.surface());
   for (std::size_t i = 0; i < s.x.size(); ++i) {
     if (s.layout.reference[i].z() < 0.999) continue;
     EXPECT_NEAR(k[i], 8.0 / 144.0 + 8.0 / 100.0, 0.01);

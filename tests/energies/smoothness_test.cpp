@@ -137,8 +137,7 @@ double fold_barrier(const Samples& s, const std::vector<Vec3>& x, double total_a
 
 TEST(Spacing, healthy_surface_is_at_rest_and_normal_moves_are_free) {
   const Samples s = test::sphere_samples(3, 12.0, Vec3(1, 2, 3), StartSolid::tetrahedron);
-  const std::vector<double> area = sample_areas(s.layout, s.x);
-  const ScalarRows rows = spacing_rows(s.layout, s.x, s.normal, area, 0.3);
+  const ScalarRows rows = spacing_rows(s.surface(), 0.3);
   EXPECT_EQ(rows.size(), 2 * s.x.size());  // no facet calls for the barrier
   EXPECT_LE(energy_of(rows, s.x), 1e-20);
   std::vector<Vec3> grown = s.x;
@@ -149,7 +148,7 @@ TEST(Spacing, healthy_surface_is_at_rest_and_normal_moves_are_free) {
 TEST(Spacing, sliding_costs_its_mean_square) {
   const Samples s = test::sphere_samples(3, 12.0);
   const std::vector<double> area = sample_areas(s.layout, s.x);
-  const ScalarRows rows = spacing_rows(s.layout, s.x, s.normal, area, 0.3);
+  const ScalarRows rows = spacing_rows(s.surface(), 0.3);
   const double total = sum(area);
   RandomEngine random(4);
   std::vector<Vec3> slid = s.x;
@@ -168,7 +167,7 @@ TEST(Spacing, folded_facets_cost_as_stated_and_the_rows_are_the_derivative) {
   s.x[7] = s.x[static_cast<std::size_t>(SampleGraph(s.layout).neighbour[0])] + Vec3(0.3, -0.2, 0.4);  // folded over
   const std::vector<double> area = sample_areas(s.layout, s.x);
   const double total = sum(area), weight = 0.4;
-  const ScalarRows rows = spacing_rows(s.layout, s.x, s.normal, area, weight);
+  const ScalarRows rows = spacing_rows(s.surface(), weight);
   const double energy = fold_barrier(s, s.x, total, weight);
   ASSERT_GT(energy, 1e-4);
   ASSERT_GT(rows.size(), 2 * s.x.size());

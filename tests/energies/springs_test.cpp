@@ -16,10 +16,6 @@ namespace {
 using test::random_vector;
 using test::Samples;
 
-SurfaceSamples surface_samples(const Samples& s) {
-  return {s.x, s.normal, {}};
-}
-
 double energy_of(const ScalarRows& rows, const std::vector<Vec3>& x) {
   double e = 0.0;
   for (std::size_t r = 0; r < rows.size(); ++r) e += 0.5 * std::pow(rows.residual(r, x), 2);
@@ -34,7 +30,7 @@ double worst_offset(int level, double far) {
   std::vector<Vec3> points(300);
   for (Vec3& p : points) p = centre + (10.0 + random.uniform(-far, far)) * random_vector(random).normalized();
   double worst = 0.0;
-  const auto at = attach(points, s.layout, surface_samples(s));
+  const auto at = attach(points, s.surface());
   for (std::size_t k = 0; k < points.size(); ++k) {
     worst = std::max(worst, std::abs(at[k].offset - ((points[k] - centre).norm() - 10.0)));
     EXPECT_NEAR(at[k].barycentric.sum(), 1.0, 1e-12);
@@ -68,8 +64,8 @@ TEST(SpringRows, AreTheDistancesToTheTangentPlanes) {
     points.emplace_back(6.0 * random_vector(random));
     weights.push_back(i % 5 == 0 ? 0.0 : random.uniform(0.1, 2.0));
   }
-  const SurfaceSamples samples = surface_samples(s);
-  const auto at = attach(points, s.layout, samples);
+  const SampledSurface samples = s.surface();
+  const auto at = attach(points, samples);
   const double total = 17.0, weight = 0.3;
   double expected = 0.0, sliding = 0.0;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -89,13 +85,13 @@ TEST(SpringRows, GradientAgainstFiniteDifferencesOfTheTrueDistance) {
   std::vector<Vec3> points(30);
   for (Vec3& p : points) p = (5.0 + 0.02 * random.normal()) * random_vector(random).normalized();
   const auto exact = [&](const std::vector<Vec3>& x) {
-    SurfaceSamples samples{x, s.normal, {}};
+    const SampledSurface samples(s.layout, {x, s.normal, {}});
     double e = 0.0;
-    for (const auto& a : attach(points, s.layout, samples)) e += a.offset * a.offset;
+    for (const auto& a : attach(points, samples)) e += a.offset * a.offset;
     return e;
   };
-  const SurfaceSamples samples = surface_samples(s);
-  const ScalarRows rows = spring_rows(s.layout, points, attach(points, s.layout, samples), {}, 1.0, 0.0, 1.0);
+  const SampledSurface samples = s.surface();
+  const ScalarRows rows = spring_rows(s.layout, points, attach(points, samples), {}, 1.0, 0.0, 1.0);
   std::vector<Vec3> direction = s.normal;
   for (Vec3& d : direction) d *= random.uniform(-1.0, 1.0);
   double by_rows = 0.0;
@@ -128,7 +124,7 @@ TEST(SpringRows, DoNotKnowThePlace) {
   for (Vec3& n : moved.normal) n = motion.turn * n;
   for (Vec3& p : moved_points) p = motion(p);
   const auto energy = [](const Samples& at, const std::vector<Vec3>& y) {
-    return energy_of(spring_rows(at.layout, y, attach(y, at.layout, surface_samples(at)), {}, 30.0, 0.1, 1.0), at.x);
+    return energy_of(spring_rows(at.layout, y, attach(y, at.surface()), {}, 30.0, 0.1, 1.0), at.x);
   };
   EXPECT_NEAR(energy(moved, moved_points) / energy(s, points), 1.0, 1e-9);
 }
@@ -137,11 +133,10 @@ TEST(ReverseSprings, MeasureASphereWithinASphere) {
   const Samples inner = test::sphere_samples(3, 9.0), outer = test::sphere_samples(5, 10.0);
   const TriangleMesh data{outer.x, outer.layout.triangles, {}};
   const ClosestPoint nearest(data);
-  const std::vector<double> area = sample_areas(inner.layout, inner.x);
-  EXPECT_NEAR(energy_of(reverse_spring_rows(surface_samples(inner), area, nearest, {}, 5.0, 1.0), inner.x), 1.0, 0.01);
-  EXPECT_EQ(reverse_spring_rows(surface_samples(inner), area, nearest, {}, 0.5, 1.0).size(), 0U);  // out of reach
+  EXPECT_NEAR(energy_of(reverse_spring_rows(inner.surface(), nearest, {}, 5.0, 1.0), inner.x), 1.0, 0.01);
+  EXPECT_EQ(reverse_spring_rows(inner.surface(), nearest, {}, 0.5, 1.0).size(), 0U);  // out of reach
   const std::vector<Vec3> inward(data.triangles.size(), Vec3(0, 0, -1));
-  EXPECT_LT(reverse_spring_rows(surface_samples(inner), area, nearest, inward, 5.0, 1.0).size(), inner.x.size());
+  EXPECT_LT(reverse_spring_rows(inner.surface(), nearest, inward, 5.0, 1.0).size(), inner.x.size());
 }
 
 // A ball of samples in points of a smaller one: all are beyond. Points that leave out a cap: the samples over the hole
@@ -149,16 +144,15 @@ TEST(ReverseSprings, MeasureASphereWithinASphere) {
 TEST(OvershootRows, PullBackWhatIsBeyondThePointsAndSpareHoles) {
   const Samples outer = test::sphere_samples(3, 6.0), inner = test::sphere_samples(3, 5.0);
   const PointTree tree(inner.x);
-  const std::vector<double> area = sample_areas(outer.layout, outer.x);
-  const ScalarRows rows = overshoot_rows(surface_samples(outer), area, tree, 0.5, 1.0);
+  const ScalarRows rows = overshoot_rows(outer.surface(), tree, 0.5, 1.0);
   EXPECT_EQ(rows.size(), outer.x.size());
   EXPECT_NEAR(energy_of(rows, outer.x), 1.0, 0.01);
   EXPECT_LT(energy_of(rows, inner.x), 1e-3);
-  EXPECT_EQ(overshoot_rows(surface_samples(outer), area, tree, 1.5, 1.0).size(), 0U);
+  EXPECT_EQ(overshoot_rows(outer.surface(), tree, 1.5, 1.0).size(), 0U);
 
   std::vector<Vec3> open = outer.x;
   std::erase_if(open, [](const Vec3& x) { return x.z() > 5.0; });
-  EXPECT_EQ(overshoot_rows(surface_samples(outer), area, PointTree(open), 0.5, 1.0).size(), 0U);
+  EXPECT_EQ(overshoot_rows(outer.surface(), PointTree(open), 0.5, 1.0).size(), 0U);
 }
 
 TEST(TukeyWeights, AreOneAtHomeAndNothingFarOff) {
@@ -207,18 +201,19 @@ TEST(RimSprings, MeasureTheWayToTheCurveAndLetSamplesSlide) {
       const double a = turned + 2 * k * std::numbers::pi / kAround;
       samples.x.emplace_back(radius * std::cos(a), radius * std::sin(a), height);
     }
-    return samples;
+    samples.normal.assign(samples.x.size(), Vec3::UnitZ());
+    return SampledSurface(disc, samples);
   };
-  const SurfaceSamples off = placed(6.0, 0.5, 0.001);
+  const SampledSurface off = placed(6.0, 0.5, 0.001);
   const auto border = border_loops(disc.triangles);
   const ScalarRows rows = rim_spring_rows(border, off, rim, 3.0, 2.0);
   EXPECT_EQ(rows.size(), 2U * kAround);
-  EXPECT_NEAR(energy_of(rows, off.x), 2.0 * (1.0 + 0.25), 0.01);
-  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.001).x), 0.0, 1e-4);
-  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.03).x), 0.0, 1e-4);  // slid along
-  EXPECT_EQ(rim_spring_rows(border, off, rim, 1.0, 2.0).size(), 0U);  // out of reach
+  EXPECT_NEAR(energy_of(rows, off.x()), 2.0 * (1.0 + 0.25), 0.01);
+  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.001).x()), 0.0, 1e-4);
+  EXPECT_NEAR(energy_of(rows, placed(5.0, 0.0, 0.03).x()), 0.0, 1e-4);  // slid along
+  EXPECT_EQ(rim_spring_rows(border, off, rim, 1.0, 2.0).size(), 0U);    // out of reach
   const Samples ball = test::sphere_samples(2, 5.0);
-  EXPECT_EQ(rim_spring_rows(border_loops(ball.layout.triangles), surface_samples(ball), rim, 99.0, 1.0).size(), 0U);
+  EXPECT_EQ(rim_spring_rows(border_loops(ball.layout.triangles), ball.surface(), rim, 99.0, 1.0).size(), 0U);
 }
 
 }  // namespace

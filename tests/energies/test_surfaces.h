@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pellicle/base/random.h"
-#include "pellicle/energies/geometry.h"
+#include "pellicle/energies/sample_view.h"
 #include "pellicle/image/image.h"
 #include "pellicle/surface/surface.h"
 
@@ -76,6 +76,8 @@ inline Image<float> image_of(const ImageGrid& grid, const std::function<double(c
 struct Samples {
   SampleLayout layout;
   std::vector<Vec3> x, normal;
+  /// What energies take; refers to the layout.
+  SampledSurface surface(const SampleGraph* graph = nullptr) const { return {layout, {x, normal, {}}, graph}; }
 };
 
 inline Samples sphere_samples(int level, double radius, const Vec3& centre = Vec3::Zero(),

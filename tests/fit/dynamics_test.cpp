@@ -1,6 +1,6 @@
 // Surfaces that move, and the two ways to solve the steps of linear models.
 
-#include "pellicle/fit/dynamics.h"
+#include "pellicle/solve/dynamics.h"
 
 #include <gmock/gmock.h>
 
@@ -10,9 +10,10 @@
 #include "fit_cases.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/energies/bending.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/spacing.h"
-#include "pellicle/fit/linear_system.h"
+#include "pellicle/solve/linear_system.h"
 
 namespace pellicle {
 namespace {
@@ -28,8 +29,8 @@ struct Lump {
   std::vector<NamedRows> rows;
 
   explicit Lump(ModelKind kind) : surface(start(kind)), layout(layout_of(surface.model, 2)) {
-    const SurfaceSamples samples = at(surface.parameters);
-    area = sample_areas(layout, samples.x);
+    const SampledSurface samples(layout, surface);
+    area = samples.area();
     NormalTargets targets{std::vector<double>(area.size()), std::vector<double>(area.size(), 1.0)};
     for (std::size_t i = 0; i < area.size(); ++i) {
       const Vec3 u = layout.reference[i].normalized();
@@ -37,8 +38,8 @@ struct Lump {
       targets.weight[i] = 1.0 + 0.5 * u.x();
     }
     operators.push_back(grouped_operator("bending", 1e-3, bending_rows(layout), layout));
-    rows.push_back({"edge", offset_rows(samples.x, samples.normal, area, targets, 1.0)});
-    rows.push_back({"spacing", spacing_rows(layout, samples.x, samples.normal, area, 0.1)});
+    rows.push_back({energy::edge, offset_rows(samples, targets, 1.0)});
+    rows.push_back({energy::spacing, spacing_rows(samples, 0.1)});
   }
   Lump(const Lump&) = delete;
   static Surface start(ModelKind kind) {
@@ -180,12 +181,13 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   s.size = {32, 32, 32};
   s.radius = {9, 7.5, 6};
   const Phantom phantom = make_phantom(s);
-  FitOptions settings = one_stage({.name = "region",
-                                   .detail = 1,
-                                   .energies = {{"region", 1.0}, {"bending", 1e-3}, {"spacing", 0.05}},
-                                   .reach = 8.0,
-                                   .max_steps = 40,
-                                   .tolerance = 0.002});
+  FitOptions settings =
+      one_stage({.name = "region",
+                 .detail = 1,
+                 .energies = {{energy::region, 1.0}, {energy::bending, 1e-3}, {energy::spacing, 0.05}},
+                 .reach = 8.0,
+                 .max_steps = 40,
+                 .tolerance = 0.002});
   settings.model.kind = GetParam();
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;

@@ -9,6 +9,9 @@
 #include "fit_cases.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
+#include "pellicle/energies/energy_kinds.h"
+#include "pellicle/energies/springs.h"
+#include "pellicle/solve/hold_out.h"
 
 namespace pellicle {
 namespace {
@@ -107,24 +110,23 @@ TEST(ExpertPoints, TooFewOrFlatOnesSayNothingOfTheWhole) {
 TEST(ExpertPoints, AStrayOnePullsNoHarderTheFurtherOffItIs) {
   const Surface ball{start_model({}), affine_image(start_model({}), Vec3::Zero(), 10.0 * Mat3::Identity())};
   const SampleLayout layout = layout_of(ball.model, 4);
-  SurfaceSamples samples;
-  evaluate(ball.model, ball.parameters, layout, false, samples);
+  const SampledSurface surface(layout, ball);
   const auto pull_at = [&](double off, bool held) {
     ExpertPoints points;
     for (int k = 0; k < 40; ++k) {
-      points.points.push_back(samples.x[static_cast<std::size_t>(7 * k) % samples.x.size()]);
+      points.points.push_back(surface.x()[static_cast<std::size_t>(7 * k) % surface.x().size()]);
     }
     points.points.emplace_back((10.0 + off) * Vec3(1, 1, 1).normalized());
     points.held = held;
-    const ExpertRows step = expert_rows(points, layout, samples, 1.0, 1.0, false);
-    const ScalarRows& rows = step.rows.rows;
+    const PointTargets targets = point_targets(points, surface, 1.0);
+    const ScalarRows rows = spring_rows(layout, targets, 1.0);
     double force = 0.0;  // of the last point: |residual| times the size of its row
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double size = rows.coefficient[static_cast<std::size_t>(rows.start[r])].norm();
-      if (std::abs(rows.residual(r, samples.x)) > 1e-3)
-        force = std::max(force, size * std::abs(rows.residual(r, samples.x)));
+      const double residual = std::abs(rows.residual(r, surface.x()));
+      if (residual > 1e-3) force = std::max(force, size * residual);
     }
-    EXPECT_NEAR(step.distances.max_mm, off, 0.3);
+    EXPECT_NEAR(targets.at.back().distance, off, 0.3);
     return force;
   };
   EXPECT_NEAR(pull_at(20.0, false) / pull_at(10.0, false), 1.0, 0.05);
@@ -133,10 +135,10 @@ TEST(ExpertPoints, AStrayOnePullsNoHarderTheFurtherOffItIs) {
 
 TEST(ExpertPoints, SettingsThatContradictAreRefused) {
   FitOptions options;
-  options.energies["springs"] = 1.0;
+  options.energies[energy::springs] = 1.0;
   EXPECT_THROW(options.validate(false), SettingError);
   EXPECT_NO_THROW(options.validate(true));
-  const auto refuses = [](const ExpertPoints& points) { EXPECT_THROW(points.validate(), SettingError); };
+  const auto refuses = [](const ExpertPoints& points) { EXPECT_THROW(pellicle::validate(points), SettingError); };
   refuses({.points = {Vec3::Zero(), Vec3::Ones()}, .weights = {1.0}});
   refuses({.points = {Vec3::Zero()}, .weights = {-1.0}});
   refuses({.points = {Vec3::Zero()}, .weights = {0.0}});

@@ -184,17 +184,16 @@ TEST(Body, BlurIsMeasuredAndTakenBack) {
   const SurfaceModel model = CatmullClarkModel::start(1);
   GeometryCache cache;
   const StageGeometry& geometry = cache.get(model, 2);
-  SurfaceSamples samples;
-  evaluate(model, affine_image(model, Vec3::Zero(), 5.6 * Mat3::Identity()), geometry.layout, false, samples);
-  const std::vector<double> area = sample_areas(geometry.layout, samples.x);
+  const Surface ball{model, affine_image(model, Vec3::Zero(), 5.6 * Mat3::Identity())};
+  const SampledSurface samples(geometry.layout, ball);
   BodySearch search{.half_width = 0.5};
-  const BodyReading plain = read_body(TrilinearField(image), samples.x, samples.normal, area, search);
+  const BodyReading plain = read_body(TrilinearField(image), samples, search);
   search.unblur = true;
-  const BodyReading unblurred = read_body(TrilinearField(image), samples.x, samples.normal, area, search);
+  const BodyReading unblurred = read_body(TrilinearField(image), samples, search);
   EXPECT_NEAR(plain.blur, 0.8, 0.2);  // the window cuts the tails
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    EXPECT_LT(samples.x[i].norm() + plain.targets.offset[i], 6.0);
-    EXPECT_NEAR(samples.x[i].norm() + unblurred.targets.offset[i], 6.0, 0.1);
+  for (std::size_t i = 0; i < samples.x().size(); ++i) {
+    EXPECT_LT(samples.x()[i].norm() + plain.targets.offset[i], 6.0);
+    EXPECT_NEAR(samples.x()[i].norm() + unblurred.targets.offset[i], 6.0, 0.1);
     EXPECT_EQ(plain.limited[i], 0);
   }
 }
@@ -216,14 +215,12 @@ TEST(Body, ProfilesEndAtTheTerritory) {
   const SurfaceModel model = CatmullClarkModel::start(1);
   GeometryCache cache;
   const StageGeometry& geometry = cache.get(model, 2);
-  SurfaceSamples samples;
-  evaluate(model, affine_image(model, Vec3(-2, 0, 0), 4.0 * Mat3::Identity()), geometry.layout, false, samples);
-  const BodyReading reading =
-      read_body(TrilinearField(bright), samples.x, samples.normal, sample_areas(geometry.layout, samples.x),
-                {.half_width = 0.6, .territory = &territory});
-  for (std::size_t i = 0; i < samples.x.size(); ++i) {
-    if (samples.normal[i][0] < 0.9) continue;
-    const double x = (samples.x[i] + reading.targets.offset[i] * samples.normal[i])[0];
+  const Surface rod{model, affine_image(model, Vec3(-2, 0, 0), 4.0 * Mat3::Identity())};
+  const SampledSurface samples(geometry.layout, rod);
+  const BodyReading reading = read_body(TrilinearField(bright), samples, {.half_width = 0.6, .territory = &territory});
+  for (std::size_t i = 0; i < samples.x().size(); ++i) {
+    if (samples.normal()[i][0] < 0.9) continue;
+    const double x = (samples.x()[i] + reading.targets.offset[i] * samples.normal()[i])[0];
     EXPECT_LE(x, 2.3);
     EXPECT_EQ(reading.limited[i], 1);
   }

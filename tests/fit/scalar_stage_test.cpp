@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "fit_cases.h"
+#include "pellicle/energies/energy_kinds.h"
 
 namespace pellicle {
 namespace {
@@ -24,9 +25,9 @@ const Phantom& dark_ball() {
   return phantom;
 }
 
-Stage gradient_stage(std::map<std::string, double> energies) {
-  energies["bending"] = 1e-4;
-  energies["spacing"] = 0.05;
+Stage gradient_stage(EnergyWeights energies) {
+  energies[energy::bending] = 1e-4;
+  energies[energy::spacing] = 0.05;
   return {.name = "gradient",
           .detail = 1,
           .energies = std::move(energies),
@@ -41,7 +42,7 @@ TEST(ScalarStages, region_integral_grows_and_shrinks_to_the_edge) {
   for (const Phantom* phantom : {&noiseless_ball(), &dark_ball()}) {
     for (const double start : {8.0, 15.0}) {
       const FitResult fit =
-          fit_ball_seed(phantom->image, Vec3(0.5, 0, 0), start, one_stage(gradient_stage({{"region", 1.0}})));
+          fit_ball_seed(phantom->image, Vec3(0.5, 0, 0), start, one_stage(gradient_stage({{energy::region, 1.0}})));
       EXPECT_NEAR(test::radius(fit.surface), 12.0, 0.5) << "from " << start << " " << fit.summary.reason;
       ASSERT_EQ(fit.summary.stages.size(), 1U);
       EXPECT_THAT(fit.summary.stages[0].energy_after, testing::Contains(testing::Key("region")));
@@ -50,7 +51,7 @@ TEST(ScalarStages, region_integral_grows_and_shrinks_to_the_edge) {
 }
 
 TEST(ScalarStages, flux_draws_the_surface_onto_the_edge) {
-  Stage stage = gradient_stage({{"flux", 1.0}});
+  Stage stage = gradient_stage({{energy::flux, 1.0}});
   stage.smoothing = 2.0;
   for (const Phantom* phantom : {&noiseless_ball(), &dark_ball()}) {
     for (const double start : {10.5, 13.5}) {
@@ -88,7 +89,7 @@ TEST(ScalarStages, inflation_blows_up_and_its_negative_deflates) {
   // Against line-search targets, weight w holds a sphere about w h/2 beyond them.
   std::vector<double> radius;
   for (const double weight : {-0.3, 0.0, 0.3}) {
-    Stage stage = gradient_stage({{"region", 1.0}, {"inflation", weight}});
+    Stage stage = gradient_stage({{energy::region, 1.0}, {energy::inflation, weight}});
     stage.solver = Solver::least_squares;
     radius.push_back(
         test::radius(fit_ball_seed(noiseless_ball().image, Vec3(0, 0, 0), 11.5, one_stage(stage)).surface));
@@ -100,8 +101,8 @@ TEST(ScalarStages, inflation_blows_up_and_its_negative_deflates) {
 
 TEST(ScalarStages, inflation_alone_runs_and_is_told) {
   for (const double weight : {-1.0, 1.0}) {
-    const FitResult fit =
-        fit_ball_seed(noiseless_ball().image, Vec3(0, 0, 0), 8.0, one_stage(gradient_stage({{"inflation", weight}})));
+    const FitResult fit = fit_ball_seed(noiseless_ball().image, Vec3(0, 0, 0), 8.0,
+                                        one_stage(gradient_stage({{energy::inflation, weight}})));
     EXPECT_NE(fit.summary.status, FitStatus::ok);
     EXPECT_TRUE(test::finite(fit.surface));
     EXPECT_LE(test::radius(fit.surface), 60.0);  // steps are bounded: caught about where it left the volume

@@ -12,7 +12,7 @@
 #include "pellicle/energies/inflation.h"
 #include "pellicle/energies/spacing.h"
 #include "pellicle/energies/tension.h"
-#include "pellicle/fit/objective.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 namespace {
@@ -25,9 +25,8 @@ struct Step {
   StepProblem problem;
 
   explicit Step(bool with_scalar) {
-    SurfaceSamples samples;
-    evaluate(surface.model, surface.parameters, layout, false, samples);
-    const std::vector<double> area = sample_areas(layout, samples.x);
+    const SampledSurface samples(layout, surface);
+    const std::vector<double>& area = samples.area();
     NormalTargets targets{std::vector<double>(area.size()), std::vector<double>(area.size(), 1.0)};
     for (std::size_t i = 0; i < area.size(); ++i) {
       const Vec3& u = layout.reference[i];
@@ -39,12 +38,12 @@ struct Step {
     problem.model = &surface.model;
     problem.layout = &layout;
     problem.operators = &operators;
-    problem.rows.push_back({"edge", offset_rows(samples.x, samples.normal, area, targets, 1.0)});
-    problem.rows.push_back({"spacing", spacing_rows(layout, samples.x, samples.normal, area, 0.1)});
+    problem.rows.push_back({energy::edge, offset_rows(samples, targets, 1.0)});
+    problem.rows.push_back({energy::spacing, spacing_rows(samples, 0.1)});
     if (with_scalar) {
-      const double volume = facet_volume(layout, samples.x), total = sum(area);
+      const double volume = samples.volume(), total = samples.total_area();
       const SampleLayout* of = &layout;
-      problem.scalars.push_back({"inflation", [=](const auto& x, const auto& a, auto& dx, auto&) {
+      problem.scalars.push_back({energy::inflation, [=](const auto& x, const auto& a, auto& dx, auto&) {
                                    return inflation(facet_volume(*of, x), volume, total, 1.0, 0.5, a, dx);
                                  }});
     }

@@ -6,6 +6,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
+#include "pellicle/energies/energy_kinds.h"
 #include "pellicle/settings/presets.h"
 #include "pellicle/settings/settings_toml.h"
 
@@ -37,7 +38,7 @@ SegmentSettings random_settings(RandomEngine& random) {
   s.fit.polarity = Polarity::dark;
   s.fit.boundary = Boundary::ridge;
   s.fit.smoothing_mm = std::abs(awkward(random));
-  s.fit.energies = {{"edge", awkward(random)}, {"flux", awkward(random)}};
+  s.fit.energies = {{energy::edge, awkward(random)}, {energy::flux, awkward(random)}};
   s.fit.target_volume_ml = 0.1 + 0.2;
   s.fit.similarity = false;
   s.fit.max_iterations = 7;
@@ -58,7 +59,7 @@ SegmentSettings random_settings(RandomEngine& random) {
   s.overwrite = true;
   Stage stage;
   stage.name = "first";
-  stage.energies = {{"bending", awkward(random)}};
+  stage.energies = {{energy::bending, awkward(random)}};
   stage.resolution = std::abs(awkward(random));
   stage.solver = Solver::gradient;
   stage.motion = {std::abs(awkward(random)), std::abs(awkward(random)), 1.0 / 3.0};
@@ -139,7 +140,7 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   good.output = "out";
   EXPECT_NO_THROW(good.validate());
   good.points = "p.csv";
-  good.fit.energies["springs"] = 1.0;
+  good.fit.energies[energy::springs] = 1.0;
   EXPECT_NO_THROW(good.validate());
   SegmentSettings many = good;
   many.points.reset();
@@ -151,7 +152,7 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   refuses([](auto& s) { s.output.clear(); });
   refuses([](auto& s) { s.trace_every = 0; });
   refuses([](auto& s) { s.fit.mass = 1.0; });
-  refuses([](auto& s) { s.fit.energies["springs"] = 1.0; });
+  refuses([](auto& s) { s.fit.energies[energy::springs] = 1.0; });
   refuses([](auto& s) { s.radius = RadiusRange{2.0, 4.0}; });  // of many objects alone
   refuses([](auto& s) {
     s.objects = Objects::many;

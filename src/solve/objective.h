@@ -7,14 +7,14 @@
 /// parameter blocks. The samples and their Jacobians are evaluated once per solver iteration, in parallel, and
 /// shared by all blocks; Ceres itself runs on one thread, so results do not depend on the number of threads.
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pellicle/energies/rows.h"
-#include "pellicle/fit/settings.h"
+#include "pellicle/energies/term.h"
+#include "pellicle/solve/solver.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -47,12 +47,10 @@ struct NamedRows {
   double energy(const std::vector<Vec3>& x) const;
 };
 
-/// A scalar energy of samples and area vectors; adds its derivatives, returns its value (weighted, mm^2).
+/// A scalar energy of samples and area vectors, weighted.
 struct ScalarEnergy {
   std::string name;
-  std::function<double(const std::vector<Vec3>& x, const std::vector<Vec3>& area_vector, std::vector<Vec3>& dE_dx,
-                       std::vector<Vec3>& dE_da)>
-      evaluate;
+  ScalarValue evaluate;
 };
 
 class LinearSystem;

@@ -13,7 +13,7 @@
 
 #include <vector>
 
-#include "pellicle/fit/objective.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 

@@ -1,4 +1,4 @@
-#include "pellicle/fit/dynamics.h"
+#include "pellicle/solve/dynamics.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "pellicle/fit/linear_system.h"
+#include "pellicle/solve/linear_system.h"
 
 #include <omp.h>
 #include <Eigen/CholmodSupport>

@@ -1,4 +1,4 @@
-#include "pellicle/fit/objective.h"
+#include "pellicle/solve/objective.h"
 
 #include <algorithm>
 #include <set>

@@ -2,9 +2,9 @@
 /// The step of a surface that is linear in its control points (spline, Catmull-Clark, slime), in closed form.
 ///
 /// With x = W c every residual energy is quadratic in c: half of |C W c - d|^2 for the rows of this step, half of
-/// |L W c - t|^2 for the operators of the stage. Operators treat the coordinates alike, so their share of the normal
-/// matrix, K = (L W)^T (L W), is a scalar matrix over the blocks, made once a stage; rows add 3 x 3 blocks (v v^T).
-/// Targets t of operators (the motion's: dynamics.h) may change from step to step.
+/// |L W c - t|^2 for the operators of the stage. Operators treat the three coordinates in the same way, so their part
+/// of the normal matrix, K = (L W)^T (L W), is a scalar matrix over the blocks, made once a stage; rows add 3 x 3
+/// blocks (v v^T). Targets t of operators (the motion's: dynamics.h) may change from step to step.
 
 #include <Eigen/SparseCore>
 #include <memory>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "pellicle/fit/objective.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "pellicle/energies/geometry.h"
-#include "pellicle/fit/linear_system.h"
-#include "pellicle/fit/objective.h"
+#include "pellicle/solve/linear_system.h"
+#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 

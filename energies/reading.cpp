@@ -1,4 +1,4 @@
-#include "pellicle/fit/reading.h"
+#include "pellicle/energies/reading.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +38,7 @@ void WorkingImage::cover(const std::vector<Vec3>& x) {
     box_.begin[a] -= box_.begin[a] % factor_[a];
     box_.size[a] = std::min(source_.grid.size[a], (end + factor_[a] - 1) / factor_[a] * factor_[a]) - box_.begin[a];
   }
+  ++version_;
   image_ = crop_and_bin(source_, box_, factor_);
   if (!reading_.similarity) {
     image_ = gaussian_smooth(std::move(image_), smoothing_mm_);
