@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// FNV-1a, 64 bits: tells changed arguments, guards against nothing.
+/// FNV-1a, 64 bits: shows that arguments have changed; not a protection against forgery.
 std::string fingerprint(const std::vector<std::string>& arguments) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   const auto add = [&](unsigned char byte) { hash = (hash ^ byte) * 0x100000001b3ULL; };
@@ -103,7 +103,7 @@ class Batch {
     write_table();
   }
 
-  // The report lists the other files; a case that was told to write none has to have any file at all.
+  // The report lists the other files; a case that writes no report has to have any file at all.
   bool files_are_there(const std::string& name) const {
     std::error_code fault;
     const fs::path folder = settings_.output / name, report = folder / (name + "_report.json");

@@ -19,7 +19,7 @@ struct BatchRow {
   std::optional<double> volume_ml;  ///< sum over the objects
   std::optional<int> objects;
   std::optional<double> peak_memory_mb;
-  std::string arguments;  ///< fingerprint of what the case was told, so that a change is seen
+  std::string arguments;  ///< fingerprint of the arguments of the case, so that a change is seen
   std::string message;    ///< why it failed
 
   bool done() const { return exit_code == 0 || exit_code == 3; }

@@ -42,8 +42,8 @@ Shard parse_shard(const std::string& text);
 /// Every count-th case: the parts are disjoint and together complete, whatever runs them and when.
 std::vector<BatchCase> cases_of_shard(const std::vector<BatchCase>& cases, const Shard& shard);
 
-/// What `pellicle segment` is told about one case, without -o, `name` and the batch's own flags. The case wins over
-/// what is common to all; the weights of `energy` join; a case with a seed of its own hears nothing of the common
+/// The arguments of `pellicle segment` for one case, without -o, `name` and the batch's own flags. The case wins over
+/// what is common to all; the weights of `energy` join; a case with a seed of its own does not get the common
 /// seeds.
 std::vector<std::string> arguments_of(const BatchCase& one, const FlagValues& common);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// From values that say where objects are to seeds: one entry an object.
+/// From values that say where objects are to seeds: one entry per object.
 
 #include <cstdint>
 #include <optional>

@@ -14,8 +14,8 @@ namespace pellicle {
 
 /// Fits a surface to each object, measures it and marks its voxels.
 /// \param image finite values in any unit, on a grid of any orientation; move it in where it is not needed any more.
-/// \param seeds one entry an object; none: one object is looked for, or all of many (SegmentOptions::many).
-/// \return one result per object, those without a bad status and the others: the status is a part of the result.
+/// \param seeds one entry per object; none: one object is looked for, or all of many (SegmentOptions::many).
+/// \return one result per object, whether its fit is good or bad: the status is a part of the result.
 /// \pre seeds have different labels (numbered()).
 /// \throws UsageError for options that break a rule; BadData for an image without contrast, one in which no object
 /// shows, and more than 65535 objects; Interrupted when the observer says so.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostPlots = 8;
 constexpr int kPlotWidth = 1200, kPlotHeight = 560;
-// Colours that colour-blind people tell apart (Okabe and Ito); black is the sum's.
+// Colours that colour-blind people can distinguish (Okabe and Ito); the sum is black.
 constexpr std::array<Rgb, 7> kCurveColors{
     {{0, 114, 178}, {230, 159, 0}, {0, 158, 115}, {204, 121, 167}, {213, 94, 0}, {86, 180, 233}, {150, 140, 0}}};
 

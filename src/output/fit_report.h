@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pellicle/output/fit_files.h"
+#include "pellicle/output/fit_result.h"
 #include "pellicle/picture/canvas.h"
 
 namespace pellicle {

@@ -1,5 +1,5 @@
 #pragma once
-/// The table beside a label map: a line an object.
+/// The table beside a label map: one line per object.
 
 #include <string>
 #include <vector>

@@ -28,7 +28,7 @@ std::filesystem::path path_of(const std::vector<PlannedFile>& plan, const std::s
 
 std::vector<std::filesystem::path> paths_of(const std::vector<PlannedFile>& plan);
 
-/// \throws CannotCreate: a path exists and may not be replaced, `folder` is no folder, or nothing can be created in it
+/// \throws CannotCreate: a path exists and may not be replaced, a folder of that name is a file, or nothing can be created in it
 ///         (or, when it is missing, in its nearest existing parent). UsageError: a path is one of the inputs.
 void check_outputs(const std::vector<std::filesystem::path>& paths, bool overwrite,
                    const std::vector<std::filesystem::path>& inputs);

@@ -1,29 +1,25 @@
 #pragma once
-/// One case as a page needs it: numbers from its report, and what is made anew from its files.
+/// One result that comes on a page.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-
-#include "pellicle/output/report_page.h"
 
 namespace pellicle {
 
-/// How large the parts of one case may be.
-struct PageLimits {
-  int edge = 128;                      ///< volume: edge^3 voxels
-  std::size_t most_triangles = 30000;  ///< all surfaces
+/// How the run of a case ended, as a batch notes it.
+struct CaseOutcome {
+  std::string status;   ///< of the fit, or "failed" or "pending"
+  std::string message;  ///< why it failed
+  std::optional<double> seconds;
+  bool done = false;  ///< it ended with its files written
 };
 
-struct PageParts {
-  nlohmann::ordered_json facts;  ///< what the page's script reads
-  std::string volume;            ///< .nii.gz; empty: none
-  std::string mesh;              ///< gzip of MZ3; empty: none
+/// One case of a page: its report, its outcome in a batch, or both.
+struct PageCase {
+  std::string name;
+  std::optional<std::filesystem::path> report;
+  std::optional<CaseOutcome> outcome;
 };
-
-/// \param scratch an existing folder for files on the way. \throws BadData, Interrupted.
-PageParts page_parts(const PageCase& one, const PageLimits& limits, bool viewer, const std::filesystem::path& scratch);
-
-std::string base64_of(const std::string& bytes);
 
 }  // namespace pellicle

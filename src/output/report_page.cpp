@@ -10,7 +10,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/output/page_assets.h"
-#include "pellicle/output/page_case.h"
+#include "pellicle/output/page_parts.h"
 #include "pellicle/output/provenance.h"
 
 namespace pellicle {

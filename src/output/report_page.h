@@ -1,29 +1,14 @@
 #pragma once
 /// Results as one page that needs nothing else: table, pictures, viewer, curves, settings, provenance.
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pellicle/base/observer.h"
+#include "pellicle/output/page_case.h"
 
 namespace pellicle {
-
-/// How the run of a case ended, as a batch notes it.
-struct CaseOutcome {
-  std::string status;   ///< of the fit, or "failed" or "pending"
-  std::string message;  ///< why it failed
-  std::optional<double> seconds;
-  bool done = false;  ///< it ended with its files written
-};
-
-/// One case of a page: its report, its outcome in a batch, or both.
-struct PageCase {
-  std::string name;
-  std::optional<std::filesystem::path> report;
-  std::optional<CaseOutcome> outcome;
-};
 
 struct PageSettings {
   std::string title;

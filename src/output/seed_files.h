@@ -39,7 +39,7 @@ void check_seed_files(const SegmentSettings& settings);
 
 /// \param grid of the input file, for coordinates that are voxel indices.
 /// \param image the same voxels in LPS order.
-/// \return one entry an object, with the expert points of settings.fit; none for many objects that are looked for.
+/// \return one entry per object, with its expert points; none for many objects that are looked for.
 /// \throws NoInput, BadData (file contents), UsageError (a sphere outside the volume, labels given twice).
 std::vector<ObjectSeed> read_seeds(const SegmentSettings& settings, const ImageGrid& grid, const Image<float>& image);
 

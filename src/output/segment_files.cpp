@@ -152,14 +152,6 @@ SegmentOptions options_of(const SegmentSettings& settings, const ImageGrid& grid
   return options;
 }
 
-bool SegmentResult::writes_labels() const {
-  return segmentation.objects.size() > 1 || settings.wants_many();
-}
-
-int SegmentResult::exit_code() const {
-  return segmentation.all_ok() ? 0 : 3;
-}
-
 SegmentResult segment_to_files(const SegmentSettings& settings, const RunRecord& record, const Observer& observer) {
   return run(settings, {}, nullptr, record, observer);
 }

@@ -1,34 +1,11 @@
 #pragma once
 /// The main job with files at both ends: a volume and its settings to masks, meshes, models, pictures and a report.
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "pellicle/base/observer.h"
-#include "pellicle/image/files/volume_file.h"
 #include "pellicle/job/segment.h"
-#include "pellicle/output/run_record.h"
-#include "pellicle/settings/settings.h"
+#include "pellicle/output/segment_result.h"
 
 namespace pellicle {
-
-struct SegmentResult {
-  SegmentSettings settings;  ///< with everything resolved that was left open
-  VolumeHeader header;
-  std::size_t nan_count = 0, inf_count = 0;
-  float min = 0.0F, max = 0.0F;  ///< over the finite voxels
-  Segmentation segmentation;
-  std::optional<int> frame;  ///< of a time series, from 0
-  std::vector<InputFile> inputs;
-  std::vector<OutputFile> outputs;    ///< all but the report itself
-  PhaseSeconds seconds;               ///< wall time of each phase, those of the segmentation among them
-  std::vector<std::string> warnings;  ///< of the file, then of the segmentation
-
-  bool writes_labels() const;  ///< a label map, not a mask
-  /// 0, or 3 when an object failed its own checks.
-  int exit_code() const;
-};
 
 /// Reads, seeds, segments and writes. Nothing is written before every object is fitted and measured.
 /// \throws what settings.validate(), read_volume, read_seeds, job/segment.h and the writers throw; CannotCreate when an

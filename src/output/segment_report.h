@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pellicle/output/segment_files.h"
+#include "pellicle/output/segment_result.h"
 
 namespace pellicle {
 

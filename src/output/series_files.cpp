@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostCurves = 6;  // more cannot be told apart
+constexpr std::size_t kMostCurves = 6;  // of more the colours look too similar
 
 SegmentSettings settings_of_frame(const SegmentSettings& settings, int frame) {
   SegmentSettings own = settings;

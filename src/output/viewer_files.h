@@ -12,7 +12,8 @@
 namespace pellicle {
 
 /// The part of `image` around the meshes (a quarter of their extent on each side, at least 6 voxels), black to white as
-/// 0..255. Blocks of voxels are averaged until at most edge^3 are left, so that spacings become as alike as they can.
+/// 0..255. Blocks of voxels are averaged until at most edge^3 are left, so that the spacings become as equal as
+/// possible.
 /// \param meshes vertices in LPS mm; none: the whole image. \pre edge >= 8.
 Image<std::uint8_t> cut_out(const Image<float>& image, const std::vector<TriangleMesh>& meshes, int edge);
 

@@ -19,7 +19,7 @@ struct SheetPanel {
 /// and the last. Deterministic.
 Canvas contact_sheet(const std::vector<SheetPanel>& all, const std::string& title);
 
-/// `text`, or "..." and its end where it is wider than `width` pixels: the end of a long name tells files apart.
+/// `text`, or "..." and its end where it is wider than `width` pixels: long names of files differ at their end.
 std::string fitting_text(const std::string& text, int scale, int width);
 
 }  // namespace pellicle

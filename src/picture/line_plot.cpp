@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pellicle/picture/font.h"
 
@@ -40,9 +41,9 @@ struct Axis {
   PlotScale scale = PlotScale::logarithmic;
   double low = 1.0, high = 10.0, from = 0.0, to = 1.0;
   double at(double value) const {
-    const double share =
+    const double fraction =
         scale == PlotScale::logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-    return from + (to - from) * share;
+    return from + (to - from) * fraction;
   }
   std::vector<double> ticks() const {
     if (scale == PlotScale::counts) return count_ticks(low, high, 12);
@@ -113,10 +114,8 @@ void draw_spans(Canvas& canvas, const LinePlot& plot, const Axis& x, int top, in
   }
 }
 
-}  // namespace
-
-Canvas draw_line_plot(const LinePlot& plot, int width, int height) {
-  Canvas canvas(width, height, paper);
+/// Both axes, as wide as what is drawn on them.
+std::pair<Axis, Axis> axes_for(const LinePlot& plot) {
   Axis x{.scale = plot.x_scale}, y{.scale = plot.y_scale};
   bool any = false;
   double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;
@@ -136,6 +135,28 @@ Canvas draw_line_plot(const LinePlot& plot, int width, int height) {
     widen(y0, y1, y);
     if (plot.y_scale == PlotScale::linear && y0 == 0.0) y.low = 0.0;
   }
+  return {x, y};
+}
+
+void draw_curve(Canvas& canvas, const LinePlot& plot, const PlotCurve& curve, const Axis& x, const Axis& y) {
+  const Vec2* before = nullptr;
+  for (const Vec2& p : curve.points) {
+    if (!drawable(p, plot)) {
+      before = nullptr;
+      continue;
+    }
+    const Vec2 here(x.at(p.x()), y.at(p.y()));
+    if (before != nullptr) draw_line(canvas, {x.at(before->x()), y.at(before->y())}, here, 2.5, curve.color);
+    draw_line(canvas, here, here, x.scale == PlotScale::counts ? 5.0 : 9.0, curve.color);
+    before = &p;
+  }
+}
+
+}  // namespace
+
+Canvas draw_line_plot(const LinePlot& plot, int width, int height) {
+  Canvas canvas(width, height, paper);
+  auto [x, y] = axes_for(plot);
   const int left = 110, right = width - 30, top = 70, bottom = height - 80;
   x.from = left;
   x.to = right;
@@ -162,17 +183,7 @@ Canvas draw_line_plot(const LinePlot& plot, int width, int height) {
   int key_y = plot.x_scale == PlotScale::counts ? top - 28 : top + 14,
       key_right = right - 14;  // in a row above a plot of many steps
   for (const PlotCurve& curve : plot.curves) {
-    const Vec2* before = nullptr;
-    for (const Vec2& p : curve.points) {
-      if (!drawable(p, plot)) {
-        before = nullptr;
-        continue;
-      }
-      const Vec2 here(x.at(p.x()), y.at(p.y()));
-      if (before != nullptr) draw_line(canvas, {x.at(before->x()), y.at(before->y())}, here, 2.5, curve.color);
-      draw_line(canvas, here, here, x.scale == PlotScale::counts ? 5.0 : 9.0, curve.color);
-      before = &p;
-    }
+    draw_curve(canvas, plot, curve, x, y);
     const int text_x = key_right - text_width(curve.name, text_scale);
     write(canvas, text_x, key_y, curve.name, ink);
     draw_line(canvas, {text_x - 46.0, key_y + 0.5 * line_height}, {text_x - 12.0, key_y + 0.5 * line_height}, 2.5,

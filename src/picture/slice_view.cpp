@@ -11,7 +11,7 @@ namespace pellicle {
 
 namespace {
 
-constexpr Rgb contour_color{230, 159, 0};  // orange of the Okabe-Ito palette: told apart by every kind of colour vision
+constexpr Rgb contour_color{230, 159, 0};  // orange of the Okabe-Ito palette: distinct for every kind of colour vision
 constexpr Rgb label_color{86, 180, 233};   // sky blue of the same
 constexpr int label_scale = 2;
 constexpr Rgb text_color{255, 255, 255};
@@ -71,6 +71,75 @@ void draw_letters(Canvas& canvas, const SliceAxes& axes) {
   draw_text(canvas, middle_x, canvas.height - 29, std::string(1, axes.down_letter), 3, text_color);
 }
 
+/// A slice on its canvas: what it shows, and where each voxel comes to lie.
+struct SliceFrame {
+  SliceAxes axes;
+  Span across = {}, down = {};    ///< index coordinates along the picture
+  double scale = 1.0;   ///< pixels per mm, the same in both directions
+  double middle = 0.0;  ///< of the canvas, pixels
+  int slice = 0;        ///< along the third axis
+
+  Vec2 pixel_of(const Vec3& index, const Vec3& spacing) const {
+    return {middle + axes.right_sign * (index[axes.right] - across.middle()) * spacing[axes.right] * scale,
+            middle + axes.down_sign * (index[axes.down] - down.middle()) * spacing[axes.down] * scale};
+  }
+};
+
+SliceFrame frame_of(const ImageGrid& grid, const TriangleMesh& mesh, const SliceAxes& axes, int size) {
+  SliceFrame frame{.axes = axes};
+  const double least = 12.0 * grid.mean_spacing();
+  frame.across = shown(mesh, grid, axes.right, least);
+  frame.down = shown(mesh, grid, axes.down, least);
+  const double width_mm = (frame.across.to - frame.across.from) * grid.spacing[axes.right];
+  const double height_mm = (frame.down.to - frame.down.from) * grid.spacing[axes.down];
+  frame.scale = size / std::max(width_mm, height_mm);
+  frame.middle = 0.5 * (size - 1);
+  Span box{1e300, -1e300};
+  for (const auto& v : mesh.vertices) {
+    box.from = std::min(box.from, v[axes.through]);
+    box.to = std::max(box.to, v[axes.through]);
+  }
+  const int last = grid.size[static_cast<std::size_t>(axes.through)] - 1;
+  frame.slice = static_cast<int>(std::lround(std::clamp(box.middle(), 0.0, static_cast<double>(last))));
+  return frame;
+}
+
+void draw_voxels(Canvas& canvas, const Image<float>& image, const Window& window, const SliceFrame& frame) {
+  const ImageGrid& grid = image.grid;
+  const SliceAxes& axes = frame.axes;
+  for (int y = 0; y < canvas.height; ++y) {
+    for (int x = 0; x < canvas.width; ++x) {
+      const double i =
+          frame.across.middle() + axes.right_sign * (x - frame.middle) / (grid.spacing[axes.right] * frame.scale);
+      const double j =
+          frame.down.middle() + axes.down_sign * (y - frame.middle) / (grid.spacing[axes.down] * frame.scale);
+      if (!(i >= frame.across.from && i < frame.across.to && j >= frame.down.from && j < frame.down.to)) continue;
+      std::array<int, 3> index{};
+      index[static_cast<std::size_t>(axes.right)] = static_cast<int>(std::lround(i));
+      index[static_cast<std::size_t>(axes.down)] = static_cast<int>(std::lround(j));
+      index[static_cast<std::size_t>(axes.through)] = frame.slice;
+      bool inside = true;
+      for (std::size_t a = 0; a < 3; ++a) inside = inside && index[a] >= 0 && index[a] < grid.size[a];
+      if (!inside) continue;
+      const double value = static_cast<double>(image.at(index[0], index[1], index[2]));
+      const double grey = std::clamp((value - window.black) / (window.white - window.black), 0.0, 1.0);
+      const auto level = static_cast<std::uint8_t>(std::lround(255.0 * grey));
+      canvas.at(x, y) = {level, level, level};
+    }
+  }
+}
+
+void draw_label(Canvas& canvas, const ImageGrid& grid, const SliceFrame& frame, const SliceLabel& label) {
+  const Vec3 at = grid.index_from_world(label.centre);
+  const double off = (at[frame.axes.through] - frame.slice) * grid.spacing[frame.axes.through];
+  const double radius = std::sqrt(std::max(0.0, label.radius * label.radius - off * off)) * frame.scale;  // of the cut
+  const int width = text_width(label.text, label_scale);
+  if (2.0 * radius < width + 4.0) return;
+  const Vec2 middle_of_cut = frame.pixel_of(at, grid.spacing);
+  draw_text(canvas, static_cast<int>(std::lround(middle_of_cut.x())) - width / 2,
+            static_cast<int>(std::lround(middle_of_cut.y())) - 4 * label_scale, label.text, label_scale, label_color);
+}
+
 }  // namespace
 
 SliceAxes slice_axes(const ImageGrid& grid, SlicePlane plane) {
@@ -91,8 +160,8 @@ Window robust_window(const Image<float>& image) {
   std::vector<float> values;
   for (std::size_t i = 0; i < image.voxels.size(); i += stride) values.push_back(image.voxels[i]);
   if (values.empty()) return {};
-  const auto at = [&](double share) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at = [&](double fraction) {
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), nth, values.end());
     return static_cast<double>(*nth);
   };
@@ -125,60 +194,16 @@ std::vector<std::array<Vec3, 2>> cut_by_plane(const TriangleMesh& mesh, int axis
 Canvas draw_slice(const Image<float>& image, const Window& window, const TriangleMesh& mesh, SlicePlane plane, int size,
                   const std::vector<SliceLabel>& labels) {
   const ImageGrid& grid = image.grid;
-  const SliceAxes axes = slice_axes(grid, plane);
-  const double least = 12.0 * grid.mean_spacing();
-  const Span across = shown(mesh, grid, axes.right, least), down = shown(mesh, grid, axes.down, least);
-  const double width_mm = (across.to - across.from) * grid.spacing[axes.right];
-  const double height_mm = (down.to - down.from) * grid.spacing[axes.down];
-  const double scale = size / std::max(width_mm, height_mm);  // pixels per mm, the same in both directions
-
-  Span box{1e300, -1e300};
-  for (const auto& v : mesh.vertices) {
-    box.from = std::min(box.from, v[axes.through]);
-    box.to = std::max(box.to, v[axes.through]);
-  }
-  const int last = grid.size[static_cast<std::size_t>(axes.through)] - 1;
-  const int slice = static_cast<int>(std::lround(std::clamp(box.middle(), 0.0, static_cast<double>(last))));
-
-  const double middle = 0.5 * (size - 1);
-  const auto pixel_of = [&](const Vec3& index) {
-    return Vec2(middle + axes.right_sign * (index[axes.right] - across.middle()) * grid.spacing[axes.right] * scale,
-                middle + axes.down_sign * (index[axes.down] - down.middle()) * grid.spacing[axes.down] * scale);
-  };
+  const SliceFrame frame = frame_of(grid, mesh, slice_axes(grid, plane), size);
   Canvas canvas(size, size);
-  for (int y = 0; y < size; ++y) {
-    for (int x = 0; x < size; ++x) {
-      const double i = across.middle() + axes.right_sign * (x - middle) / (grid.spacing[axes.right] * scale);
-      const double j = down.middle() + axes.down_sign * (y - middle) / (grid.spacing[axes.down] * scale);
-      if (!(i >= across.from && i < across.to && j >= down.from && j < down.to)) continue;
-      std::array<int, 3> index{};
-      index[static_cast<std::size_t>(axes.right)] = static_cast<int>(std::lround(i));
-      index[static_cast<std::size_t>(axes.down)] = static_cast<int>(std::lround(j));
-      index[static_cast<std::size_t>(axes.through)] = slice;
-      bool inside = true;
-      for (std::size_t a = 0; a < 3; ++a) inside = inside && index[a] >= 0 && index[a] < grid.size[a];
-      if (!inside) continue;
-      const double value = static_cast<double>(image.at(index[0], index[1], index[2]));
-      const double grey = std::clamp((value - window.black) / (window.white - window.black), 0.0, 1.0);
-      const auto level = static_cast<std::uint8_t>(std::lround(255.0 * grey));
-      canvas.at(x, y) = {level, level, level};
-    }
+  draw_voxels(canvas, image, window, frame);
+  for (const auto& piece : cut_by_plane(mesh, frame.axes.through, frame.slice)) {
+    draw_line(canvas, frame.pixel_of(piece[0], grid.spacing), frame.pixel_of(piece[1], grid.spacing),
+              size >= 500 ? 2.0 : 1.5, contour_color);
   }
-  for (const auto& piece : cut_by_plane(mesh, axes.through, slice)) {
-    draw_line(canvas, pixel_of(piece[0]), pixel_of(piece[1]), size >= 500 ? 2.0 : 1.5, contour_color);
-  }
-  for (const SliceLabel& label : labels) {
-    const Vec3 at = grid.index_from_world(label.centre);
-    const double off = (at[axes.through] - slice) * grid.spacing[axes.through];
-    const double cut = std::sqrt(std::max(0.0, label.radius * label.radius - off * off)) * scale;  // its radius, pixels
-    const int width = text_width(label.text, label_scale);
-    if (2.0 * cut < width + 4.0) continue;
-    const Vec2 middle_of_cut = pixel_of(at);
-    draw_text(canvas, static_cast<int>(std::lround(middle_of_cut.x())) - width / 2,
-              static_cast<int>(std::lround(middle_of_cut.y())) - 4 * label_scale, label.text, label_scale, label_color);
-  }
-  draw_letters(canvas, axes);
-  draw_scale_bar(canvas, scale);
+  for (const SliceLabel& label : labels) draw_label(canvas, grid, frame, label);
+  draw_letters(canvas, frame.axes);
+  draw_scale_bar(canvas, frame.scale);
   return canvas;
 }
 

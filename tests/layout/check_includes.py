@@ -44,9 +44,6 @@ KNOWN_CIRCLES = [
     {'fit/many', 'fit/many_evidence', 'fit/many_piece'},
     {'fit/options', 'fit/plan'},
     {'fit/setting_rules', 'fit/settings'},
-    {'output/page_case', 'output/report_page'},
-    {'output/fit_files', 'output/fit_report'},
-    {'output/segment_ends', 'output/segment_files', 'output/segment_report'},
 ]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)

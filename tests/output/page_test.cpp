@@ -10,7 +10,7 @@
 #include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/batch/page_cases.h"
-#include "pellicle/output/page_case.h"
+#include "pellicle/output/page_parts.h"
 #include "pellicle/output/report_page.h"
 #include "pellicle/output/viewer_files.h"
 

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/base/observer.h"
 #include "pellicle/output/outputs.h"
-#include "pellicle/output/segment_files.h"
+#include "pellicle/output/segment_result.h"
 #include "pellicle/output/trace.h"
 
 namespace pellicle {

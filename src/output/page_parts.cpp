@@ -1,4 +1,4 @@
-#include "pellicle/output/page_case.h"
+#include "pellicle/output/page_parts.h"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
