@@ -1,5 +1,5 @@
 #pragma once
-/// What a fit is told. Lengths in units of h, the cube root of the voxel volume, unless a name says mm.
+/// What a fit is given. Lengths in units of h, the cube root of the voxel volume, unless a name says mm.
 
 #include <optional>
 #include <string>
@@ -54,7 +54,7 @@ struct FitSettings {
                                           ///< also of their distances), and no further; default: by evidence
   ExpertPoints points = {};
   int trace_every = 0;        ///< keep every n-th step of each stage in FitResult::trace; 0: none
-  bool similarity = true;     ///< also try "alike the seed" hypotheses when levels are uncertain
+  bool similarity = true;     ///< also try hypotheses "similar to the seed" when levels are uncertain
   std::vector<Stage> stages;  ///< empty: the default sequence for the start rule
   void validate() const;      ///< \throws UsageError
 };

@@ -195,7 +195,7 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   settings.solver = Solver::dynamic;
   settings.time_step = 0.5;
   const FitResult moving = fit_ball_seed(phantom.image, Vec3(1, -1, 1), 5.0, settings);
-  EXPECT_EQ(moving.summary.stages.front().reason, "converged");
+  EXPECT_EQ(moving.summary.stages.front().reason(), "converged");
   EXPECT_GT(moving.summary.stages.front().steps, still.summary.stages.front().steps);
   EXPECT_LE(assd(moving.surface, tessellate(still.surface, 4)), 0.05);
 }

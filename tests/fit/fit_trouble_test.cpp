@@ -105,7 +105,7 @@ TEST(FitTrouble, ball_twice_as_wide_as_a_rod_shrinks_onto_it_and_is_not_turned_i
                    .reach = 16.0});
     settings.model.kind = kind;
     const FitResult fit = fit_ball_seed(phantom.image, Vec3::Zero(), 8.0, settings);
-    EXPECT_EQ(fit.summary.stages.back().reason, "converged");
+    EXPECT_EQ(fit.summary.stages.back().reason(), "converged");
     EXPECT_GE(test::dice(fit.surface, phantom.truth), 0.9) << to_string(fit.summary.status);
   }
 }
