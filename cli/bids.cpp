@@ -1,4 +1,4 @@
-#include "pellicle/pipeline/bids.h"
+#include "pellicle/batch/bids.h"
 
 #include <fmt/format.h>
 
@@ -6,20 +6,14 @@
 #include <iostream>
 
 #include "case_flags.h"
+#include "command_settings.h"
 #include "commands.h"
 #include "pellicle/base/child_process.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/settings/settings.h"
 
 namespace pellicle::cli {
 
 namespace {
-
-struct BidsFlags {
-  BidsSettings bids;
-  std::string level;
-  CaseFlags cases;
-};
 
 int run_participants(const BidsSettings& settings, Console& console) {
   const BatchResult result = run_bids_participants(settings, case_lines(console));
@@ -27,54 +21,46 @@ int run_participants(const BidsSettings& settings, Console& console) {
   return result.exit_code();
 }
 
-int run_bids(const BidsFlags& flags, Console& console) {
-  console.configure(*flags.cases.console);
-  BidsSettings settings = flags.bids;
+BidsSettings settings_of(const BidsFlags& flags) {
+  BidsSettings settings;
   settings.program = this_program();
+  settings.dataset = flags.dataset;
+  settings.output = flags.output;
+  settings.participants = flags.participants;
+  settings.sessions = flags.sessions;
+  settings.suffix = flags.suffix;
+  settings.desc = flags.desc;
   settings.jobs = flags.cases.jobs;
   settings.threads = flags.cases.threads;
-  settings.common = flags.cases.common();
-  if (flags.cases.config.empty()) settings.common.try_emplace("preset", std::vector<std::string>{"brain-t1"});
+  settings.overwrite = flags.cases.overwrite;
+  return settings;
+}
+
+int run_bids(const CaseFlags& typed, Console& console) {
+  BidsFlags flags;
+  typed.resolve(targets_of(bids_table(), flags), console);
+  BidsSettings settings = settings_of(flags);
+  settings.common = typed.common();
+  if (typed.config().empty()) settings.common.try_emplace("preset", std::vector<std::string>{"brain-t1"});
   settings.common.try_emplace("write", std::vector<std::string>{"mask,mesh,model,report,qc"});
   if (flags.level == "participant") return run_participants(settings, console);
   if (flags.level == "group") {
-    const auto page =
-        write_bids_group_page(settings, [&](double share, const std::string& what) { console.progress(share, what); });
+    const auto page = write_bids_group_page(settings, console.observer());
     console.inform(page.string());
     return 0;
   }
-  throw UsageError(fmt::format("bad value (LEVEL): '{}' is no level; use participant or group", flags.level));
+  throw SettingError("bad value", "LEVEL", fmt::format("'{}' is not a level; use participant or group", flags.level));
 }
 
 }  // namespace
 
 Run add_bids(CLI::App& app) {
-  auto flags = std::make_shared<BidsFlags>();
-  app.add_option("BIDS_DIR", flags->bids.dataset, "a raw BIDS dataset")->required();
-  app.add_option("OUT", flags->bids.output, "the derivatives dataset, created if missing")->required();
-  app.add_option("LEVEL", flags->level, "participant: segment every image; group: the page of all results")->required();
-  app.add_option("--participant-label,--participant_label", flags->bids.participants,
-                 "only these, with or without 'sub-'; default: all")
-      ->type_name("LABEL ...")
-      ->group("Dataset");
-  app.add_option("--session-label,--session_label", flags->bids.sessions,
-                 "only these, with or without 'ses-'; default: all")
-      ->type_name("LABEL ...")
-      ->group("Dataset");
-  app.add_option("--suffix", flags->bids.suffix, "which images of anat/")
-      ->type_name("SUFFIX")
-      ->capture_default_str()
-      ->group("Dataset");
-  app.add_option("--desc", flags->bids.desc, "what the results are called: ..._desc-LABEL_mask.nii.gz")
-      ->type_name("LABEL")
-      ->capture_default_str()
-      ->group("Dataset");
-  app.add_flag("--overwrite", flags->bids.overwrite, "do again what an earlier run finished")->group("Run");
-  flags->cases.add(app, "images");
+  auto flags = std::make_shared<CaseFlags>();
+  flags->declare(app, entries_of(bids_table(), BidsFlags{}), "images");
   app.footer(
       "Flags of 'segment' hold for every image; without --preset or --config it is brain-t1. A run goes on where an "
       "earlier one\n"
-      "stopped. One line an image on stdout: name volume_ml status seconds. Exit codes as of 'batch'.\n"
+      "stopped. One line per image on stdout: name volume_ml status seconds. Exit codes as those of 'batch'.\n"
       "Example: pellicle bids study study/derivatives/pellicle participant --participant-label 01 02");
   return [flags](Console& console) { return run_bids(*flags, console); };
 }

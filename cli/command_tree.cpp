@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "pellicle/pipeline/provenance.h"
+#include "pellicle/output/provenance.h"
 
 namespace pellicle::cli {
 

@@ -10,7 +10,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pellicle/pipeline/provenance.h"
+#include "flag_text.h"
+#include "pellicle/base/interrupt.h"
+#include "pellicle/output/provenance.h"
 
 namespace pellicle::cli {
 
@@ -30,13 +32,13 @@ void Console::configure(const ConsoleOptions& options) {
 }
 
 void Console::inform(const std::string& message) {
-  log(spdlog::level::info, "info", message);
+  log(spdlog::level::info, "info", with_flags(message));
 }
 void Console::notice(const std::string& message) {
-  log(spdlog::level::warn, "note", message);
+  log(spdlog::level::warn, "note", with_flags(message));
 }
 void Console::warn(const std::string& message) {
-  log(spdlog::level::warn, "warning", message);
+  log(spdlog::level::warn, "warning", with_flags(message));
 }
 void Console::error(const std::string& message) {
   log(spdlog::level::err, "error", message);
@@ -65,17 +67,24 @@ void Console::clear_bar() {
 }
 
 // Seconds left when the rest goes as the part so far did; nothing before that means something.
-std::string Console::remaining(double share) const {
+std::string Console::remaining(double fraction) const {
   const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  if (share < 0.05 || spent < 1.0) return "";
-  const auto left = static_cast<long>(std::ceil(spent * (1.0 - share) / share));
+  if (fraction < 0.05 || spent < 1.0) return "";
+  const auto left = static_cast<long>(std::ceil(spent * (1.0 - fraction) / fraction));
   if (left >= 3600) return fmt::format("{}:{:02}:{:02} left ", left / 3600, left / 60 % 60, left % 60);
   return fmt::format("{}:{:02} left ", left / 60, left % 60);
 }
 
-void Console::progress(double share, const std::string& what) {
+Observer Console::observer() {
+  return {.progress = [this](double fraction, const std::string& what) { progress(fraction, what); },
+          .inform = [this](const std::string& message) { inform(message); },
+          .warn = [this](const std::string& message) { warn(message); },
+          .stopped = interrupt_requested};
+}
+
+void Console::progress(double fraction, const std::string& what) {
   if (options_.quiet || options_.no_progress || options_.json || isatty(STDERR_FILENO) == 0) return;
-  if (share >= 1.0) {
+  if (fraction >= 1.0) {
     clear_bar();
     return;
   }
@@ -83,11 +92,11 @@ void Console::progress(double share, const std::string& what) {
   if (bar_shown_ && now - last_bar_ < std::chrono::milliseconds(100)) return;
   last_bar_ = now;
   constexpr int cells = 30;
-  const int full = static_cast<int>(cells * std::clamp(share, 0.0, 1.0));
+  const int full = static_cast<int>(cells * std::clamp(fraction, 0.0, 1.0));
   const std::string bar =
       std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(cells - full), '-');
   std::fputs(
-      fmt::format("\r\033[K[{}] {:3.0f}% {}{}", bar, 100.0 * share, remaining(share), what.substr(0, 40)).c_str(),
+      fmt::format("\r\033[K[{}] {:3.0f}% {}{}", bar, 100.0 * fraction, remaining(fraction), what.substr(0, 40)).c_str(),
       stderr);
   std::fflush(stderr);
   bar_shown_ = true;

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "pellicle/base/observer.h"
+
 namespace spdlog {
 class logger;
 }
@@ -14,8 +16,8 @@ namespace pellicle::cli {
 
 struct ConsoleOptions {
   bool quiet = false;        ///< errors only
-  bool verbose = false;      ///< also what is going on
-  bool json = false;         ///< one JSON object a line
+  bool verbose = false;      ///< also what is being done
+  bool json = false;         ///< one JSON object per line
   bool no_progress = false;  ///< no bar even on a terminal
 };
 
@@ -33,13 +35,15 @@ class Console {
   void warn(const std::string& message);
   /// `pellicle: error: MESSAGE`, line breaks turned into spaces.
   void error(const std::string& message);
+  /// The console as the host of a run: messages, the bar, and whether a signal asked to stop. It must outlive the run.
+  Observer observer();
   /// Draws the bar, with the time that is left, when stderr is a terminal; at most ten times a second.
-  void progress(double share, const std::string& what);
+  void progress(double fraction, const std::string& what);
 
  private:
   void log(int level, const char* name, const std::string& message);
   void clear_bar();
-  std::string remaining(double share) const;
+  std::string remaining(double fraction) const;
 
   std::shared_ptr<spdlog::logger> logger_;
   ConsoleOptions options_;

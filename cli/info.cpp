@@ -7,13 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "command_flags.h"
+#include "command_settings.h"
 #include "commands.h"
+#include "flag_text.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/report.h"
-#include "pellicle/settings/settings.h"
+#include "pellicle/output/report_json.h"
 #include "pellicle/surface/model_file.h"
 
 namespace pellicle::cli {
@@ -22,21 +24,11 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-struct InfoFlags {
-  fs::path file;
-  std::string spacing;
-  bool as_json = false;
-  ConsoleOptions* console = nullptr;
-};
-
-json volume_info(const InfoFlags& flags, Console& console) {
+json volume_info(const InfoSettings& settings, Console& console) {
   ReadOptions options;
-  if (!flags.spacing.empty()) {
-    const auto n = three_numbers(flags.spacing, "--spacing " + flags.spacing);
-    options.spacing = Vec3{n[0], n[1], n[2]};
-  }
+  if (settings.spacing) options.spacing = Vec3((*settings.spacing)[0], (*settings.spacing)[1], (*settings.spacing)[2]);
   options.frame = 0;
-  const Volume volume = read_volume(flags.file, options);
+  const Volume volume = read_volume(settings.file, options);
   json out = json_of(volume.header.grid);
   out["format"] = volume.header.format;
   out["component_type"] = volume.header.component_type;
@@ -53,8 +45,10 @@ json volume_info(const InfoFlags& flags, Console& console) {
   out["max"] = volume.max;
   out["nan_count"] = volume.nan_count;
   out["inf_count"] = volume.inf_count;
-  out["warnings"] = volume.header.warnings;
-  for (const auto& warning : volume.header.warnings) console.warn(fmt::format("{}: {}", flags.file.string(), warning));
+  out["warnings"] = json::array();
+  for (const auto& warning : volume.header.warnings) out["warnings"].push_back(with_flags(warning));
+  for (const auto& warning : volume.header.warnings)
+    console.warn(fmt::format("{}: {}", settings.file.string(), warning));
   return out;
 }
 
@@ -98,22 +92,21 @@ std::string text_of(const json& value) {
   return text.empty() ? "-" : text;
 }
 
-int run_info(const InfoFlags& flags, Console& console) {
-  console.configure(*flags.console);
+int run_info(const InfoSettings& settings, Console& console) {
   std::error_code ignored;
-  if (!fs::exists(flags.file, ignored)) {
-    throw NoInput(fmt::format("no such file ({}): nothing is there; check the path", flags.file.string()));
+  if (!fs::exists(settings.file, ignored)) {
+    throw NoInput(fmt::format("no such file ({}): nothing is there; check the path", settings.file.string()));
   }
-  std::string extension = flags.file.extension().string();
+  std::string extension = settings.file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   static const std::set<std::string> meshes{".ply", ".stl", ".obj", ".off", ".vtp", ".gii"};
-  json out{{"file", flags.file.string()}};
-  const json content = meshes.count(extension) != 0 ? mesh_info(read_mesh(flags.file))
-                       : extension == ".json"       ? model_info(flags.file)
-                                                    : volume_info(flags, console);
+  json out{{"file", settings.file.string()}};
+  const json content = meshes.count(extension) != 0 ? mesh_info(read_mesh(settings.file))
+                       : extension == ".json"       ? model_info(settings.file)
+                                                    : volume_info(settings, console);
   for (const auto& [key, value] : content.items()) out[key] = value;
-  if (flags.as_json) {
+  if (settings.json) {
     std::cout << out.dump(2) << "\n";
   } else {
     for (const auto& [key, value] : out.items()) std::cout << fmt::format("{:<20} {}\n", key, text_of(value));
@@ -124,17 +117,10 @@ int run_info(const InfoFlags& flags, Console& console) {
 }  // namespace
 
 Run add_info(CLI::App& app) {
-  auto flags = std::make_shared<InfoFlags>();
-  app.add_option("FILE", flags->file, "volume, folder with a DICOM series, mesh or model")->required();
-  app.add_option("--spacing", flags->spacing, "voxel size in mm, instead of the file's")
-      ->type_name("X,Y,Z")
-      ->group("Input");
-  app.add_flag("--json", flags->as_json, "print JSON")->group("Outputs");
-  flags->console = add_console_flags(app);
   app.footer(
       "Positions are LPS mm; 'orientation' says where the index axes point: RAS is +i right, +j front, +k up.\n"
       "Example: pellicle info scan.nii.gz --json");
-  return [flags](Console& console) { return run_info(*flags, console); };
+  return settings_command<InfoSettings>(app, info_table(), run_info);
 }
 
 }  // namespace pellicle::cli

@@ -8,17 +8,17 @@
 #include <new>
 
 #include "commands.h"
+#include "exit_codes.h"
+#include "flag_text.h"
+#include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/interrupt.h"
-#include "pellicle/pipeline/provenance.h"
-#include "slicer_progress.h"
+#include "pellicle/output/provenance.h"
 
 namespace {
 
 using pellicle::cli::Console;
 using pellicle::cli::Run;
-
-constexpr int failure = 1, usage = 64;
 
 std::string subcommand_of(const CLI::App& app) {
   const auto chosen = app.get_subcommands();
@@ -39,11 +39,11 @@ int report_usage(const CLI::App& app, const CLI::ParseError& fault, const std::v
   const std::string program = subcommand_of(app);
   if (app.get_subcommands().empty() && command_line.size() > 1 && command_line[1].rfind('-', 0) != 0) {
     console.error(
-        fmt::format("bad usage ({}): '{}' is no subcommand; see '{} --help'", program, command_line[1], program));
-    return usage;
+        fmt::format("bad usage ({}): '{}' is not a subcommand; see '{} --help'", program, command_line[1], program));
+    return pellicle::cli::kUsage;
   }
   console.error(fmt::format("bad usage ({}): {}; see '{} --help'", program, fault.what(), program));
-  return usage;
+  return pellicle::cli::kUsage;
 }
 
 int run(CLI::App& app, const std::map<const CLI::App*, Run>& commands, Console& console) {
@@ -51,19 +51,19 @@ int run(CLI::App& app, const std::map<const CLI::App*, Run>& commands, Console& 
     return commands.at(app.get_subcommands().front())(console);
   } catch (const pellicle::Interrupted& stop) {
     console.error(fmt::format("interrupted ({}): stopped by a signal; no half file is left", subcommand_of(app)));
-    return stop.exit_code();
+    return pellicle::cli::exit_code_of(stop.category());
   } catch (const pellicle::Error& fault) {
-    console.error(fault.what());
-    return fault.exit_code();
+    console.error(pellicle::cli::message_of(fault));
+    return pellicle::cli::exit_code_of(fault.category());
   } catch (const std::bad_alloc&) {
     console.error(
         fmt::format("out of memory ({}): the data do not fit; use a smaller volume or machine with more memory",
                     subcommand_of(app)));
-    return failure;
+    return pellicle::cli::kFailure;
   } catch (const std::exception& fault) {
     console.error(
         fmt::format("internal error ({}): {}; please report this with the command", subcommand_of(app), fault.what()));
-    return failure;
+    return pellicle::cli::kFailure;
   }
 }
 
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   pellicle::install_interrupt_handler();
   const std::vector<std::string> command_line(argv, argv + argc);
   Console console;
-  // An error of the flags themselves comes before they are known, so this one is looked for by hand.
+  // A fault of the command line itself is reported before its flags are known: --log-json is looked for here.
   for (const auto& word : command_line) {
     if (word == "--log-json") console.configure({false, false, true, false});
   }
@@ -110,7 +110,8 @@ int main(int argc, char** argv) {
                                                 {manual, pellicle::cli::add_manual(*manual, app)}};
   try {
     std::vector<std::string> words(command_line.begin() + 1, command_line.end());
-    if (!words.empty() && words.front() == "segment") words = pellicle::cli::with_dashed_flags(words);
+    const bool has_hosts = !words.empty() && (words.front() == "segment" || words.front() == "bids");
+    if (has_hosts) words = pellicle::cli::with_dashed_flags(words);
     std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
     app.parse(words);
   } catch (const CLI::ParseError& fault) {

@@ -14,7 +14,7 @@ Run add_completion(CLI::App& app, const CLI::App& program) {
   app.add_option("SHELL", *shell, "bash")->capture_default_str();
   app.footer("Example: pellicle completion bash >~/.local/share/bash-completion/completions/pellicle");
   return [shell, &program](Console&) {
-    if (*shell != "bash") throw UsageError(fmt::format("bad value (SHELL): '{}' is not known; use bash", *shell));
+    if (*shell != "bash") throw SettingError("bad value", "SHELL", fmt::format("'{}' is not known; use bash", *shell));
     std::cout << bash_completion(program);
     return 0;
   };
@@ -30,7 +30,7 @@ Run add_manual(CLI::App& app, const CLI::App& program) {
       if (one->get_name() == *name) command = one;
     }
     if (command == nullptr && !name->empty()) {
-      throw UsageError(fmt::format("bad value (COMMAND): '{}' is no command; see 'pellicle --help'", *name));
+      throw SettingError("bad value", "COMMAND", fmt::format("'{}' is not a command; see 'pellicle --help'", *name));
     }
     std::cout << manual_page(program, command);
     return 0;

@@ -2,7 +2,8 @@
 #
 # One static library per folder. Headers are included as "pellicle/<folder>/<header>.h": the build tree holds one
 # link per folder, so that sources and an installed copy spell an include alike. A pellicle:: dependency that is
-# not defined yet is an error, which is what keeps the folders free of cycles.
+# not defined yet is an error, which is what keeps the folders free of cycles. Headers in a folder `internal` are for
+# that folder's own sources and are not installed.
 add_library(pellicle_warnings INTERFACE)
 target_compile_options(pellicle_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
                        -Woverloaded-virtual -Wcast-align $<$<BOOL:${PELLICLE_WERROR}>:-Werror>)
@@ -45,5 +46,5 @@ function(pellicle_library name)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_property(GLOBAL APPEND PROPERTY PELLICLE_LIBRARIES ${target})
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pellicle/${ARG_FOLDER}
-          COMPONENT development FILES_MATCHING PATTERN "*.h")
+          COMPONENT development FILES_MATCHING PATTERN "*.h" PATTERN "internal" EXCLUDE)
 endfunction()

@@ -9,8 +9,8 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
+#include "pellicle/synthetic/internal/requirement.h"
 #include "pellicle/synthetic/render.h"
-#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
@@ -35,10 +35,9 @@ std::pair<Vec3, Vec3> room_for(const ClusterSettings& s, const ImageGrid& grid, 
   const Vec3 low = longest * grid.spacing.cwiseInverse();
   const Vec3 high = Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1) - low;
   if (((high - low).array() < 0.0).any()) {
-    throw UsageError(
-        fmt::format("volume too small (--size {},{},{}): an object of half axis {:.4g} mm does not fit; use more "
-                    "voxels or a smaller --radius",
-                    grid.size[0], grid.size[1], grid.size[2], longest));
+    throw SettingError(
+        "volume too small", "size", fmt::format("{},{},{}", grid.size[0], grid.size[1], grid.size[2]),
+        fmt::format("an object of half axis {:.4g} mm does not fit; use more voxels or a smaller `radius`", longest));
   }
   return {low, high};
 }
@@ -56,10 +55,10 @@ Vec3 draw_center(const ClusterSettings& s, const ImageGrid& grid, double r, cons
     }
     if (free) return x;
   }
-  throw UsageError(
-      fmt::format("no room for all objects (--count {}): only {} found a place with centres {} (r + r') apart; use a "
-                  "larger volume, a smaller --radius or a smaller --distance",
-                  s.count, centers.size(), s.distance));
+  throw SettingError("no room for all objects", "count", fmt::format("{}", s.count),
+                     fmt::format("only {} found a place with centres {} (r + r') apart; use a larger volume, a smaller "
+                                 "`radius` or a smaller `distance`",
+                                 centers.size(), s.distance));
 }
 
 /// Axes with a : b : c = e : m : 1, m between, and the volume of the ball of radius r.
@@ -109,7 +108,7 @@ void paint(const Body& body, double contrast, std::uint16_t label, double blur_m
   Index3 first{0, 0, 0};
   const double reach = bounds.maxCoeff() + 4.0 * blur_mm + grid.spacing.maxCoeff();
   const ImageGrid window = window_of(grid, body.center, reach, first);
-  // It only tells which voxels the surface passes: far coarser than a truth mesh.
+  // It only says which voxels the surface passes: far coarser than a truth mesh.
   const TriangleMesh surface = mesh_of(body, bounds.minCoeff() / 6.0);
   const Image<float> fraction = fraction_of(body, surface, window, 0.0, blur_mm);
   std::size_t v = 0;
@@ -138,13 +137,13 @@ void paint(const Body& body, double contrast, std::uint16_t label, double blur_m
 void ClusterSettings::validate() const {
   image.validate();
   const auto finite = [](double a, double b) { return std::isfinite(a) && std::isfinite(b); };
-  require(count >= 1 && count <= 65535, "--count", fmt::format("{}", count), "must lie between 1 and 65535");
-  require(finite(radius_min, radius_max) && radius_min > 0.0 && radius_max >= radius_min, "--radius",
+  require(count >= 1 && count <= 65535, "count", fmt::format("{}", count), "must lie between 1 and 65535");
+  require(finite(radius_min, radius_max) && radius_min > 0.0 && radius_max >= radius_min, "radius",
           fmt::format("{},{}", radius_min, radius_max), "MIN,MAX must be above 0 and in this order, in mm");
-  require(elongation >= 1.0 && elongation <= 10.0, "--elongation", fmt::format("{}", elongation),
+  require(elongation >= 1.0 && elongation <= 10.0, "elongation", fmt::format("{}", elongation),
           "must lie between 1 and 10");
-  require(distance > 0.0 && distance <= 100.0, "--distance", fmt::format("{}", distance), "must lie in (0, 100]");
-  require(finite(contrast_min, contrast_max) && contrast_min > 0.0 && contrast_max >= contrast_min, "--contrast-range",
+  require(distance > 0.0 && distance <= 100.0, "distance", fmt::format("{}", distance), "must lie in (0, 100]");
+  require(finite(contrast_min, contrast_max) && contrast_min > 0.0 && contrast_max >= contrast_min, "contrast-range",
           fmt::format("{},{}", contrast_min, contrast_max), "MIN,MAX must be above 0 and in this order");
 }
 
@@ -161,8 +160,9 @@ Cluster make_cluster(const ClusterSettings& settings) {
   for (const double r : radii) {
     centers.push_back(draw_center(settings, grid, r, centers, radii, random));
     cluster.bodies.push_back(draw_body(settings, r, centers.back(), random));
-    const double share = random.uniform();
-    cluster.contrast.push_back(settings.contrast_max * std::pow(settings.contrast_min / settings.contrast_max, share));
+    const double exponent = random.uniform();
+    cluster.contrast.push_back(settings.contrast_max *
+                               std::pow(settings.contrast_min / settings.contrast_max, exponent));
   }
   for (const Body& body : cluster.bodies) cluster.seeds.push_back(draw_seed(body, random_of_seeds));
   std::size_t voxels = 1;

@@ -19,7 +19,7 @@ struct ClusterSettings {
   double distance = 1.0;                          ///< centres of two objects are at least distance (r + r') apart
   double contrast_min = 1.0, contrast_max = 1.0;  ///< contrast of an object, log-uniform, relative to the image's
 
-  /// \throws UsageError naming the flag, its value and the rule.
+  /// \throws SettingError with the key, its value and the rule.
   void validate() const;
 };
 
@@ -29,7 +29,7 @@ struct Cluster {
   Image<std::uint16_t> truth;  ///< label i + 1 for bodies[i]; where two overlap, the one the voxel is deeper in
   std::vector<Body> bodies;
   std::vector<double> contrast;  ///< relative, of each body
-  std::vector<SeedDraw> seeds;   ///< one for each body, drawn as the other phantoms' are
+  std::vector<SeedDraw> seeds;   ///< one for each body, drawn as those of the other phantoms
 };
 
 /// \throws UsageError: see validate(), and when the objects do not fit into the volume. Same bytes for any number of

@@ -4,9 +4,10 @@
 #include <cstdint>
 
 #include "pellicle/image/image.h"
-#include "pellicle/synthetic/phantom.h"
 
 namespace pellicle {
+
+enum class PhantomNoise { none, gaussian, rician, poisson };
 
 /// Multiplies by 1 + amplitude * g(x), g a sum of three plane waves with periods of one to two volume diagonals,
 /// scaled to run from -1 to 1 over the volume.

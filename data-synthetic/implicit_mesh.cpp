@@ -31,7 +31,7 @@ Lattice sample_lattice(const Shape& shape, double cell) {
   Lattice lattice;
   lattice.cell = cell;
   const Vec3 half = half_bounds(shape);
-  // Off-centre by an odd share of a cell, so that symmetric shapes do not pass through nodes.
+  // Off-centre by an odd fraction of a cell, so that symmetric shapes do not pass through nodes.
   lattice.origin = -half - cell * Vec3(2.137, 2.291, 2.419);
   for (std::size_t a = 0; a < 3; ++a) {
     lattice.nodes[a] = static_cast<int>(std::ceil(2.0 * half[static_cast<int>(a)] / cell)) + 6;

@@ -1,4 +1,4 @@
-#include "pellicle/synthetic/lattice_blocks.h"
+#include "pellicle/synthetic/internal/lattice_blocks.h"
 
 #include <algorithm>
 #include <cmath>

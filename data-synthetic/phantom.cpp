@@ -10,8 +10,8 @@
 #include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/implicit_mesh.h"
 #include "pellicle/synthetic/inner_ball.h"
+#include "pellicle/synthetic/internal/requirement.h"
 #include "pellicle/synthetic/render.h"
-#include "pellicle/synthetic/requirement.h"
 
 namespace pellicle {
 namespace {
@@ -31,7 +31,7 @@ std::string text(const Vec3& v) {
 double shell_thickness(const PhantomSettings& settings, const ImageGrid& grid, double inner_radius) {
   if (settings.fill == PhantomFill::solid) return 0.0;
   const double largest = 1.2 * inner_radius;
-  require(settings.shell_thickness_mm <= largest, "--shell-thickness", fmt::format("{}", settings.shell_thickness_mm),
+  require(settings.shell_thickness_mm <= largest, "shell-thickness", fmt::format("{}", settings.shell_thickness_mm),
           "must be at most 1.2 times the shape's inner radius");
   if (settings.shell_thickness_mm > 0.0) return settings.shell_thickness_mm;
   return std::min(3.0 * grid.mean_spacing(), 0.6 * inner_radius);
@@ -63,28 +63,28 @@ void PhantomSettings::validate() const {
   const auto whole = fmt::format("{},{},{}", size[0], size[1], size[2]);
   double voxels = 1.0;
   for (const int n : size) {
-    require(n >= 2 && n <= 8192, "--size", whole, "each number must lie between 2 and 8192");
+    require(n >= 2 && n <= 8192, "size", whole, "each number must lie between 2 and 8192");
     voxels *= n;
   }
-  require(voxels <= 2147483648.0, "--size", whole, "at most 2^31 voxels");
-  require(spacing.allFinite() && spacing.minCoeff() > 0.0, "--spacing", text(spacing), "must be above 0, in mm");
-  require(direction_degrees.allFinite(), "--direction", text(direction_degrees), "must be finite");
-  require(center.allFinite(), "--center", text(center), "must be finite");
-  require(blob_amplitude > 0.0 && blob_amplitude <= 0.6, "--amplitude", fmt::format("{}", blob_amplitude),
+  require(voxels <= 2147483648.0, "size", whole, "at most 2^31 voxels");
+  require(spacing.allFinite() && spacing.minCoeff() > 0.0, "spacing", text(spacing), "must be above 0, in mm");
+  require(direction_degrees.allFinite(), "direction", text(direction_degrees), "must be finite");
+  require(center.allFinite(), "center", text(center), "must be finite");
+  require(blob_amplitude > 0.0 && blob_amplitude <= 0.6, "amplitude", fmt::format("{}", blob_amplitude),
           "must lie in (0, 0.6]");
-  require(std::isfinite(shell_thickness_mm) && shell_thickness_mm >= 0.0, "--shell-thickness",
+  require(std::isfinite(shell_thickness_mm) && shell_thickness_mm >= 0.0, "shell-thickness",
           fmt::format("{}", shell_thickness_mm), "must be 0 (automatic) or above, in mm");
   const auto levels = fmt::format("{},{}", inside, outside);
-  require(std::isfinite(inside) && std::isfinite(outside) && inside != outside, "--contrast", levels,
+  require(std::isfinite(inside) && std::isfinite(outside) && inside != outside, "contrast", levels,
           "inside and outside must be finite and differ");
-  require(noise != PhantomNoise::poisson || (inside >= 0.0 && outside >= 0.0), "--contrast", levels,
+  require(noise != PhantomNoise::poisson || (inside >= 0.0 && outside >= 0.0), "contrast", levels,
           "Poisson noise needs intensities of 0 or more");
   const double longest = phantom_grid(*this).extent().maxCoeff();
-  require(blur_mm >= 0.0 && blur_mm <= longest, "--blur", fmt::format("{}", blur_mm),
+  require(blur_mm >= 0.0 && blur_mm <= longest, "blur", fmt::format("{}", blur_mm),
           "must lie between 0 and the volume's longest edge, in mm");
-  require(noise == PhantomNoise::none || (std::isfinite(snr) && snr > 0.0), "--snr", fmt::format("{}", snr),
+  require(noise == PhantomNoise::none || (std::isfinite(snr) && snr > 0.0), "snr", fmt::format("{}", snr),
           "must be above 0");
-  require(bias >= 0.0 && bias < 1.0, "--bias", fmt::format("{}", bias), "must lie in [0, 1)");
+  require(bias >= 0.0 && bias < 1.0, "bias", fmt::format("{}", bias), "must lie in [0, 1)");
 }
 
 Phantom make_phantom(const PhantomSettings& settings) {
@@ -92,7 +92,7 @@ Phantom make_phantom(const PhantomSettings& settings) {
   Phantom phantom;
   phantom.settings = settings;
   phantom.body.shape = make_shape(settings.shape, settings.radius, settings.blob_amplitude, settings.seed);
-  // A fixed pose that no grid axis and no symmetry of the control meshes shares.
+  // A fixed pose unlike every grid axis and every symmetry of the control meshes.
   phantom.body.world_from_shape = rotation_of({25.0, -35.0, 55.0});
   phantom.body.center = settings.center;
   const double volume = exact_volume(phantom.body.shape);
@@ -106,10 +106,8 @@ Phantom make_phantom(const PhantomSettings& settings) {
   phantom.shell_thickness_mm = shell_thickness(settings, grid, phantom.inner_radius);
   phantom.truth = mask_of(phantom.body, phantom.truth_surface, grid);
   if (std::find(phantom.truth.voxels.begin(), phantom.truth.voxels.end(), 1) == phantom.truth.voxels.end()) {
-    throw UsageError(
-        fmt::format("the phantom is empty (--center {}): no voxel centre lies inside the object; move it "
-                    "into the volume or use smaller voxels",
-                    text(settings.center)));
+    throw SettingError("the phantom is empty", "center", text(settings.center),
+                       "no voxel centre lies inside the object; move it into the volume or use smaller voxels");
   }
   phantom.image = degraded(
       fraction_of(phantom.body, phantom.truth_surface, grid, phantom.shell_thickness_mm, settings.blur_mm), settings);

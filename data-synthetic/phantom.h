@@ -1,6 +1,6 @@
 #pragma once
-/// Synthetic volumes with exact truth. Depends on base, image and mesh only: an oracle that shares no code with the
-/// surface models it judges. World is LPS mm; the centre of the volume lies at the world's origin.
+/// Synthetic volumes with exact truth. Depends on base, image and mesh only: an oracle without any code of the
+/// surface models that it judges. World is LPS mm; the centre of the volume lies at the world's origin.
 
 #include <cstdint>
 #include <string>
@@ -9,12 +9,12 @@
 #include "pellicle/base/random.h"
 #include "pellicle/image/image.h"
 #include "pellicle/mesh/triangle_mesh.h"
+#include "pellicle/synthetic/degrade.h"
 #include "pellicle/synthetic/shapes.h"
 
 namespace pellicle {
 
 enum class PhantomFill { solid, shell };
-enum class PhantomNoise { none, gaussian, rician, poisson };
 
 struct PhantomSettings {
   std::string shape = "sphere";      ///< see shape_names()
@@ -38,7 +38,7 @@ struct PhantomSettings {
   double bias = 0.0;  ///< smooth multiplicative field that runs from 1 - bias to 1 + bias over the volume, in [0, 1)
   std::uint64_t seed = 1;
 
-  /// \throws UsageError naming the flag, its value and the rule.
+  /// \throws SettingError with the key, its value and the rule.
   void validate() const;
 };
 
@@ -69,7 +69,8 @@ ImageGrid phantom_grid(const PhantomSettings& settings);
 
 /// Each voxel is the mean, over its own box, of the object convolved with the Gaussian, times the bias field, plus
 /// noise. The blur is that of the continuous object: thin slices and wide ones see the same object. Same bytes for
-/// any number of threads. \throws UsageError: see validate(), and when no voxel centre lies inside the object.
+/// any number of threads.
+/// \throws UsageError: see validate(), and when no voxel centre lies inside the object.
 Phantom make_phantom(const PhantomSettings& settings);
 
 /// Start spheres: centres uniform in the ball of 0.4 inner radii about the natural centre (and inside the object and
@@ -79,9 +80,7 @@ std::vector<SeedDraw> draw_seeds(const Phantom& phantom, int count, RandomEngine
 /// The `STEM_truth.json` of `pellicle phantom`: shape, exact volume, centres, inner radius, seeds, every setting.
 std::string truth_json(const Phantom& phantom);
 
-/// "solid", "shell"; "none", "gaussian", "rician", "poisson". \throws UsageError naming the choices.
-PhantomFill phantom_fill_from_name(const std::string& name);
-PhantomNoise phantom_noise_from_name(const std::string& name);
+/// "solid", "shell"; "none", "gaussian", "rician", "poisson".
 std::string name_of(PhantomFill fill);
 std::string name_of(PhantomNoise noise);
 

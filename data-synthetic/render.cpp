@@ -6,7 +6,7 @@
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/synthetic/box_fraction.h"
-#include "pellicle/synthetic/lattice_blocks.h"
+#include "pellicle/synthetic/internal/lattice_blocks.h"
 
 namespace pellicle {
 namespace {

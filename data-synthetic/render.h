@@ -9,7 +9,8 @@
 
 namespace pellicle {
 
-/// Voxels whose centres lie inside the body. \param surface dense mesh of it, which tells where to look closely.
+/// Voxels whose centres lie inside the body.
+/// \param surface dense mesh of it, which says where voxels need a closer look.
 Image<std::uint8_t> mask_of(const Body& body, const TriangleMesh& surface, const ImageGrid& grid);
 
 /// What the voxels see of a body: the indicator function of the solid (or of a membrane of the given thickness

@@ -178,7 +178,7 @@ BlobShape draw_blob(double radius, double amplitude, std::uint64_t seed) {
 
 void check_radius(const std::string& name, const std::vector<double>& radius) {
   const auto refuse = [&](const std::string& rule) {
-    throw UsageError(fmt::format("bad radius (--radius {}): {}", fmt::join(radius, ","), rule));
+    throw SettingError("bad radius", "radius", fmt::format("{}", fmt::join(radius, ",")), rule);
   };
   const bool torus = shape_genus(name) > 0;
   const std::size_t most = torus ? 2 : (shape_has_half_axes(name) ? 3 : 1);
@@ -215,7 +215,7 @@ bool shape_has_half_axes(const std::string& name) {
 
 Shape make_shape(const std::string& name, const std::vector<double>& radius, double amplitude, std::uint64_t seed) {
   if (std::find(shape_names().begin(), shape_names().end(), name) == shape_names().end()) {
-    throw UsageError(fmt::format("unknown shape (--shape {}): choose one of {}", name, fmt::join(shape_names(), ", ")));
+    throw SettingError("unknown shape", "shape", name, fmt::format("choose one of {}", fmt::join(shape_names(), ", ")));
   }
   check_radius(name, radius);
   const double r = radius[0];

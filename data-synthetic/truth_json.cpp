@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pellicle/base/errors.h"
 #include "pellicle/synthetic/cluster.h"
 #include "pellicle/synthetic/phantom.h"
 
@@ -111,20 +110,6 @@ std::string truth_json(const Cluster& cluster) {
   json["objects"] = std::move(objects);
   json["settings"] = json_of(cluster.settings);
   return json.dump(2) + "\n";
-}
-
-PhantomFill phantom_fill_from_name(const std::string& name) {
-  if (name == "solid") return PhantomFill::solid;
-  if (name == "shell") return PhantomFill::shell;
-  throw UsageError(fmt::format("unknown fill (--fill {}): choose solid or shell", name));
-}
-
-PhantomNoise phantom_noise_from_name(const std::string& name) {
-  for (const PhantomNoise noise :
-       {PhantomNoise::none, PhantomNoise::gaussian, PhantomNoise::rician, PhantomNoise::poisson}) {
-    if (name == name_of(noise)) return noise;
-  }
-  throw UsageError(fmt::format("unknown noise (--noise {}): choose none, gaussian, rician or poisson", name));
 }
 
 std::string name_of(PhantomFill fill) {

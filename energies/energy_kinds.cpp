@@ -91,7 +91,7 @@ constexpr EnergyKind kKinds[] = {
      .least_weight = -std::numeric_limits<double>::infinity()},
 };
 
-constexpr const EnergyKind* find(std::string_view name) {
+constexpr const EnergyKind* kind_of(std::string_view name) {
   for (const EnergyKind& kind : kKinds) {
     if (kind.name == name) return &kind;
   }
@@ -100,7 +100,7 @@ constexpr const EnergyKind* find(std::string_view name) {
 
 /// Refused by the compiler when the table has no such row.
 consteval const EnergyKind& row(std::string_view name) {
-  return *find(name);
+  return *kind_of(name);
 }
 
 }  // namespace
@@ -109,10 +109,8 @@ std::span<const EnergyKind> energy_kinds() {
   return kKinds;
 }
 
-const EnergyKind& energy_named(std::string_view name, const std::string& where) {
-  const EnergyKind* kind = find(name);
-  if (kind == nullptr) throw UsageError(fmt::format("unknown energy '{}' ({}): see --energy list", name, where));
-  return *kind;
+const EnergyKind* find_energy(std::string_view name) {
+  return kind_of(name);
 }
 
 namespace energy {

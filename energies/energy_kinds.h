@@ -11,9 +11,8 @@ namespace pellicle {
 
 std::span<const EnergyKind> energy_kinds();
 
-/// \param where of the setting that names it, for the message.
-/// \throws UsageError for a name that is not in the table.
-const EnergyKind& energy_named(std::string_view name, const std::string& where);
+/// The row of that name; null: there is none.
+const EnergyKind* find_energy(std::string_view name);
 
 /// Rows that the program's own stages are made of.
 namespace energy {

@@ -6,7 +6,7 @@
 /// is theirs, c_i the nearest place of the rim's curve and t_i the curve's tangent there: samples slide along it.
 
 #include "pellicle/energies/rows.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/rim.h"
 
 namespace pellicle {
 

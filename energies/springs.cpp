@@ -6,7 +6,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 

@@ -5,6 +5,7 @@ cd "$(dirname "$0")/.."
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cmake --install build/release --prefix "$scratch/prefix" >/dev/null
+if find "$scratch/prefix" -path "*/internal/*" | grep .; then echo "private headers are installed"; exit 1; fi
 cmake -S docs/example -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/prefix" >"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }
 cmake --build "$scratch/build"
 "$scratch/build/example"

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "pellicle/image/files/volume_file.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -13,8 +13,7 @@ namespace {
 Image<std::uint8_t> largest_part(const Image<float>& image) {
   Image<std::uint8_t> mask(image.grid);
   for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = image.voxels[i] > 0.0F ? 1 : 0;
-  const Components parts = components_of(mask);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = parts.labels.voxels[i] == 1 ? 1 : 0;
+  keep_largest_part(mask);
   return mask;
 }
 }  // namespace
@@ -27,12 +26,12 @@ void brain_table(const Options& options) {
   }
   const double begin = seconds_now();
   const Volume volume = read_volume(options.head / "ch2.nii.gz");
-  FitSettings settings;
+  FitOptions settings;
   settings.model = options.model;
   settings.start_rule = StartRule::head;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
-  const FitResult fit = fit_surface(volume.image, {find_head(volume.image)}, settings);
+  const FitResult fit = fit_surface({volume.image, {find_head(volume.image)}}, settings);
   const double seconds = seconds_now() - begin;
   const Image<std::uint8_t> bet = largest_part(read_volume(options.head / "ch2bet.nii.gz").image);
   fmt::print(

@@ -2,7 +2,7 @@
 /// One click of a user who knows where the object is: the only thing that these sections take from the truth.
 
 #include "pellicle/image/image.h"
-#include "pellicle/mesh/overlap.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/seed/seed.h"
 #include "pellicle/surface/surface.h"
 

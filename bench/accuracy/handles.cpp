@@ -7,9 +7,9 @@
 #include "pellicle/energies/profiles.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/synthetic/phantom.h"
 #include "sections.h"
@@ -50,11 +50,11 @@ struct Scores {
 
 void add(const Image<float>& image, const Image<std::uint8_t>& seed_mask, const Image<std::uint8_t>& truth,
          const TriangleMesh& truth_surface, int genus, ModelKind kind, Scores& scores) {
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = kind;
   const double h = image.grid.mean_spacing(), begin = seconds_now();
   const Surface seed = surface_from_mask(seed_mask, settings.model, 2);
-  const FitResult fit = fit_surface(image, {seed}, settings);
+  const FitResult fit = fit_surface({image, {seed}}, settings);
   scores.seconds.push_back(seconds_now() - begin);
   const TriangleMesh mesh = measuring_mesh(fit.surface, h);
   scores.seed_dice.push_back(overlap_of(truth, rasterize_mask(measuring_mesh(seed, h), truth.grid)).dice);

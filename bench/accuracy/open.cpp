@@ -10,9 +10,9 @@
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/mesh/rim.h"
-#include "pellicle/pipeline/fit_points.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/mesh/points/rim.h"
+#include "pellicle/output/fit_files.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -125,14 +125,14 @@ void open_table(const Options& options) {
         write_text_file(settings.input, text);
         const std::string row = fmt::format("| {} | {:.1f} | {} |", shape.name, 100.0 * noise, draw + 1);
         try {
-          const GeometryFitResult result = fit_geometry(settings, {});
-          const FittedSurface& fitted = result.tried[result.chosen];
+          const GeometryFitResult result = fit_to_files(settings, {}, {});
+          const FittedSurface& fitted = result.fit.sizes.best();
           const PointFitSummary& s = fitted.fit.summary;
           const double percent = 100.0 / result.input.data.diameter;
           double squares = 0.0, furthest = 0.0, count = 0.0, turning = 0.0;
-          for (const std::vector<int>& border : border_loops(result.mesh.triangles)) {
+          for (const std::vector<int>& border : border_loops(result.fit.mesh.triangles)) {
             std::vector<Vec3> loop;
-            for (const int v : border) loop.push_back(result.mesh.vertices[static_cast<std::size_t>(v)]);
+            for (const int v : border) loop.push_back(result.fit.mesh.vertices[static_cast<std::size_t>(v)]);
             turning += turning_of(loop);
             for (const Vec3& x : loop) {
               const double d = true_rim.nearest(x, 1).front().distance;
@@ -144,7 +144,7 @@ void open_table(const Options& options) {
           fmt::print("{} {} | {:.3f} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {} / {} | {} | {} | {:.1f} |\n", row,
                      s.control_points, percent * s.to_surface.rms, percent * s.to_surface.max,
                      percent * std::sqrt(squares / count), percent * furthest, turning / true_turning, s.border_loops,
-                     shape.rims, s.self_intersections, fitted.status, s.seconds);
+                     shape.rims, s.self_intersections, to_string(fitted.status), s.seconds);
         } catch (const std::exception& fault) {
           fmt::print("{} fails: {} | | | | | | | | | |\n", row, fault.what());
         }

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kClick = 5.0;  // mm
 
-FitSettings settings_of_preset(const std::string& name) {
+FitOptions settings_of_preset(const std::string& name) {
   SegmentSettings settings;
   apply_toml_file(find_preset(name), settings);
   return settings.fit;
@@ -35,13 +35,13 @@ void print_click_head() {
 
 /// Dice of the preset.
 double click_row(const std::string& name, const Image<float>& image, const Image<std::uint8_t>& truth,
-                 const Vec3& place, const FitSettings& settings) {
+                 const Vec3& place, const FitOptions& settings) {
   const SeedSphere seed{place, kClick};
   const double begin = seconds_now();
-  const FitResult fit = fit_surface(image, {seed}, settings);
+  const FitResult fit = fit_surface({image, {seed}}, settings);
   const double seconds = seconds_now() - begin;
   const OverlapMetrics overlap = overlap_with(truth, fit.surface);
-  const double plain = overlap_with(truth, fit_surface(image, {seed}, FitSettings{}).surface).dice;
+  const double plain = overlap_with(truth, fit_surface({image, {seed}}, FitOptions{}).surface).dice;
   const double otsu = overlap_of(truth, otsu_baseline(image, place, OtsuObject::solid)).dice;
   std::string reading;
   for (const auto& h : fit.summary.hypotheses) reading = h.chosen ? h.name : reading;
@@ -68,7 +68,7 @@ struct Start {
   std::vector<double> ok, not_ok, otsu;  ///< fits by their status; Otsu's component under the same place
 
   void add(const Image<float>& image, const Image<std::uint8_t>& truth, const Vec3& place) {
-    const FitResult fit = fit_surface(image, {SeedSphere{place, kClick}}, FitSettings{});
+    const FitResult fit = fit_surface({image, {SeedSphere{place, kClick}}}, FitOptions{});
     // As the program says it: a surface that cuts itself is not ok.
     const bool sound = self_intersection_count(measuring_mesh(fit.surface, image.grid.mean_spacing())) == 0;
     (fit.summary.status == FitStatus::ok && sound ? ok : not_ok).push_back(overlap_with(truth, fit.surface).dice);

@@ -5,9 +5,9 @@
 
 #include "otsu_baseline.h"
 #include "pellicle/energies/profiles.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "phantom_cases.h"
 #include "sections.h"
@@ -46,8 +46,8 @@ PhantomSettings phantom_case(const std::string& shape, std::size_t variant) {
 
 namespace {
 
-FitSettings settings_for(const ModelChoice& model) {
-  FitSettings settings;
+FitOptions settings_for(const ModelChoice& model) {
+  FitOptions settings;
   settings.model = model;
   return settings;
 }
@@ -63,7 +63,7 @@ void run_case(const Phantom& phantom, const Options& options, Row& row) {
   for (const SeedDraw& seed : draw_seeds(phantom, options.seeds, random)) {
     const double begin = seconds_now();
     const FitResult fit =
-        fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, settings_for(options.model));
+        fit_surface({phantom.image, {SeedSphere{seed.center, seed.radius}}}, settings_for(options.model));
     row.seconds.push_back(seconds_now() - begin);
     const TriangleMesh mesh = measuring_mesh(fit.surface, h);
     row.assd.push_back(surface_distances(mesh, phantom.truth_surface, h).assd / h);
@@ -113,7 +113,8 @@ void clean_sphere_table(const Options& options) {
   const Phantom phantom = make_phantom(s);
   const double h = phantom.image.grid.mean_spacing();
   const SeedDraw seed = phantom.seeds.front();
-  const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, settings_for(options.model));
+  const FitResult fit =
+      fit_surface({phantom.image, {SeedSphere{seed.center, seed.radius}}}, settings_for(options.model));
   const TriangleMesh mesh = measuring_mesh(fit.surface, h);
   const Image<std::uint8_t> mask = rasterize_mask(mesh, phantom.image.grid);
   const double truth = 1000.0 * phantom.exact_volume_ml;

@@ -6,11 +6,11 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/overlap.h"
-#include "pellicle/pipeline/seeding.h"
+#include "pellicle/output/seed_files.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -25,8 +25,7 @@ Image<std::uint8_t> labels_between(const LabelVolume& labels, int first, int las
     const std::int32_t v = labels.labels.voxels[i];
     mask.voxels[i] = v >= first && v <= last ? 1 : 0;
   }
-  const Components parts = components_of(mask);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = parts.labels.voxels[i] == 1 ? 1 : 0;
+  keep_largest_part(mask);
   return mask;
 }
 
@@ -45,13 +44,12 @@ void rows_for(const std::string& object, const Image<float>& image, const Image<
   for (const ModelKind kind : {ModelKind::normal, ModelKind::catmull_clark}) {
     for (const Way& way :
          {Way{"image and points", true, true}, Way{"points alone", true, false}, Way{"image alone", false, true}}) {
-      FitSettings settings;
+      FitOptions settings;
       settings.model.kind = kind;
-      if (way.points) settings.points = points;
       if (!way.image) settings.energies = {{energy::region, 0.0}, {energy::edge, 0.0}};
       const double begin = seconds_now();
       const Seed start = way.points ? seed_of_points(points, image.grid, settings).value_or(seed) : Seed(seed);
-      const FitResult fit = fit_surface(image, {start}, settings);
+      const FitResult fit = fit_surface({image, {start}, way.points ? points : ExpertPoints{}}, settings);
       const double seconds = seconds_now() - begin;
       const TriangleMesh mesh = measuring_mesh(fit.surface, h);
       const PointDistances off = distances_to(points, fit.surface, h);

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "pellicle/fit/point_fit.h"
-#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/icosphere.h"
 #include "sections.h"
 

@@ -11,10 +11,10 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/image/files/volume_file.h"
+#include "pellicle/mask/moments.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "pellicle/synthetic/phantom.h"
 #include "sections.h"
 

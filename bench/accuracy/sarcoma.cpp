@@ -3,7 +3,7 @@
 #include "click.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/mesh/overlap.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
 
@@ -38,7 +38,7 @@ void sarcoma_table(const Options& options) {
     const auto truth = mask_of_labels(read_labels(options.data / "sarcoma" / (name + "_mask.nii.gz")).labels);
     const SeedSphere seed = one_click(truth);
     const double begin = seconds_now();
-    const FitResult fit = fit_surface(image, {seed}, FitSettings{});
+    const FitResult fit = fit_surface({image, {seed}}, FitOptions{});
     const double seconds = seconds_now() - begin;
     const OverlapMetrics overlap = overlap_of(truth, rasterize_mask(measuring_mesh(fit.surface, 1.0), truth.grid));
     std::string reading;

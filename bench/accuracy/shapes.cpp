@@ -11,7 +11,7 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/pipeline/fit_points.h"
+#include "pellicle/output/fit_files.h"
 #include "sections.h"
 
 namespace pellicle::bench {
@@ -20,11 +20,11 @@ namespace {
 
 void print_row(const std::string& file, const GeometryFitResult& result, const std::string& true_genus) {
   const double percent = 100.0 / result.input.data.diameter;
-  for (const FittedSurface& fitted : result.tried) {
-    if (result.settings.ladder.empty() && &fitted != &result.tried[result.chosen]) continue;
+  for (const FittedSurface& fitted : result.fit.sizes.tried) {
+    if (result.settings.ladder.empty() && &fitted != &result.fit.sizes.best()) continue;
     const PointFitSummary& s = fitted.fit.summary;
     fmt::print("| {} | {} | {} | {} | {} | {:.3f} | {:.2f} | {:.3f} | {:.2f} | {} / {} | {} | {:.1f} |\n", file,
-               result.input.kind, model_name(fitted.fit.surface.model), fitted.name, s.control_points,
+               to_string(result.input.kind), model_name(fitted.fit.surface.model), fitted.name, s.control_points,
                percent * s.to_surface.rms, percent * s.to_surface.max, percent * s.to_data.rms, percent * s.to_data.max,
                s.genus, true_genus, s.self_intersections, s.seconds);
   }
@@ -43,7 +43,7 @@ void try_fit(const Options& options, const std::filesystem::path& path, Geometry
   settings.overwrite = true;
   settings.write = {"report"};
   try {
-    print_row(file, fit_geometry(settings, {}), true_genus);
+    print_row(file, fit_to_files(settings, {}, {}), true_genus);
   } catch (const std::exception& fault) {
     fmt::print("| {} | fails: {} | | | | | | | | | | |\n", file, fault.what());
   }

@@ -61,13 +61,13 @@ void solver_table() {
       std::vector<double> assd, seconds, iterations;
       for (std::size_t k = 0; k < 4; ++k) {
         const SeedDraw& seed = phantom.seeds[k];
-        FitSettings settings;
+        FitOptions settings;
         settings.polarity = Polarity::bright;
         settings.boundary = Boundary::step;
         settings.similarity = false;
         settings.stages = stages_with(way.solver, way.flux);
         const double begin = seconds_now();
-        const FitResult fit = fit_surface(phantom.image, {SeedSphere{seed.center, seed.radius}}, settings);
+        const FitResult fit = fit_surface({phantom.image, {SeedSphere{seed.center, seed.radius}}}, settings);
         seconds.push_back(seconds_now() - begin);
         iterations.push_back(fit.summary.iterations());
         assd.push_back(surface_distances(measuring_mesh(fit.surface, 1.0), phantom.truth_surface, 1.0).assd);

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "pellicle/energies/profiles.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/synthetic/phantom.h"
 #include "sections.h"
@@ -53,7 +53,7 @@ void torus_table(const Options& options) {
       "ASSD median | ASSD worst | Dice of the seeds | Dice worst | seconds (median) "
       "|\n|---|---|---|---|---|---|---|---|\n",
       options.seeds);
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = ModelKind::spline_torus;
   constexpr const char* kVariants[] = {"isotropic", "0.8x0.8x1.2 oblique", "dark on bright", "25 % bias"};
   for (std::size_t v = 0; v < std::size(kVariants); ++v) {
@@ -65,7 +65,7 @@ void torus_table(const Options& options) {
     for (int i = 0; i < options.seeds; ++i) {
       const Surface seed = torus_seed(phantom, 0.3 * phantom.settings.radius[1], random);
       const double begin = seconds_now();
-      const FitResult fit = fit_surface(phantom.image, {seed}, settings);
+      const FitResult fit = fit_surface({phantom.image, {seed}}, settings);
       seconds.push_back(seconds_now() - begin);
       const TriangleMesh mesh = measuring_mesh(fit.surface, h);
       assd.push_back(surface_distances(mesh, phantom.truth_surface, h).assd / h);

@@ -32,12 +32,12 @@ void unseeded_table(const Options& options) {
         PhantomSettings s = phantom_case(shape, v);
         s.seed += 1000 * static_cast<std::uint64_t>(draw);
         const Phantom phantom = make_phantom(s);
-        FitSettings settings;
+        FitOptions settings;
         settings.model = options.model;
         const double begin = seconds_now();
         std::vector<Seed> seeds;
         for (const SeedSphere& candidate : find_candidates(phantom.image)) seeds.emplace_back(candidate);
-        const FitResult fit = fit_surface(phantom.image, seeds, settings);
+        const FitResult fit = fit_surface({phantom.image, seeds}, settings);
         seconds += (seconds_now() - begin) / draws;
         const double dice = overlap_with(phantom.truth, fit.surface).dice;
         worst = std::min(worst, dice);

@@ -76,7 +76,7 @@ class Mask:
         if self.mask_threads:
             text = re.sub(r'("threads"\s*:\s*)\d+', r"\1<threads>", text)
             text = re.sub(r'("--threads"\s*,\s*)"\d+"', r"\1<threads>", text)
-            text = re.sub(r"(--threads )\d+", r"\1<threads>", text)
+            text = re.sub(r"(--threads[ =]|\bthreads = )\d+", r"\1<threads>", text)
         # The page holds volumes and meshes, compressed.
         text = re.sub(r"H4sI[A-Za-z0-9+/=]{40,}", self.of_packed, text)
         # A record of an output: the hash, and mostly the size.

@@ -27,7 +27,8 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Writes `text` to `path` atomically. \throws CannotCreate, IoError.
+/// Writes `text` to `path` atomically.
+/// \throws CannotCreate, IoError.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
 /// SHA-256 of a file's bytes as 64 hexadecimal digits; of a folder: of its files' names and bytes, sorted by name.

@@ -39,7 +39,7 @@ std::string content_of(std::FILE* file) {
 [[noreturn]] void become(char* const* argv, pid_t parent, int out, int err) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);  // it was gone before the line above
-  // A group of its own: an interrupt from the keyboard reaches the parent only, which decides what is told to whom.
+  // A group of its own: an interrupt from the keyboard reaches the parent only, which decides what each child is sent.
   setpgid(0, 0);
   signal(SIGINT, SIG_DFL);
   signal(SIGTERM, SIG_DFL);

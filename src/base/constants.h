@@ -1,4 +1,6 @@
 #pragma once
+/// Mathematical constants.
+
 #include <numbers>
 
 namespace pellicle {

@@ -9,6 +9,7 @@
 
 #include "pellicle/energies/term.h"
 #include "pellicle/fit/fit_types.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/fit/settings.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/seed/seed.h"
@@ -34,8 +35,7 @@ struct Candidate {
   std::string reason = {};
   std::vector<TraceFrame> trace = {};
 
-  std::vector<Stage> stages = {};  ///< up to where candidates are compared; the best goes on with the rest
-  std::size_t compare_after = 0;
+  PlanLine line = {};                   ///< the stages that it runs
   double first_reach_mm = 0.0;          ///< reach of the search of the first stage; 0: the stage's own
   double start_volume = 0.0;            ///< mm^3, of the seed; 0: not known
   std::optional<SeedSphere> ball = {};  ///< the seed, where it is one

@@ -56,27 +56,19 @@ std::shared_ptr<const SearchLimit> search_limit_of(const Surface& drawn, const E
   return std::make_shared<const SearchLimit>(mesh, std::max(3.0 * h, 0.5 * std::sqrt(area_of(mesh) / count)));
 }
 
-Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail,
-                        const Observer& observer) {
-  FitSettings settings;
-  settings.points = points;
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points,
+                        const std::vector<Stage>& stages, const Observer& observer) {
   GeometryCache geometry;
-  const StageContext context{image, settings, geometry, observer};
-  Candidate state{.surface = start, .detail = refinements_of(start.model)};
-  const double bending[] = {2e-3, 1e-3, 2e-4};
-  for (int d = 0; d <= std::min(detail, 2); ++d) {
-    if (d < std::min({state.detail, detail, 2})) continue;
-    const Stage stage{.name = "points",
-                      .detail = d,
-                      .energies = {{energy::springs, 1.0}, {energy::bending, bending[d]}, {energy::spacing, 0.05}},
-                      .smoothing = 0.0,
-                      .max_steps = 15,
-                      .tolerance = 0.02};
-    Surface before = state.surface;
-    run_stage(context, {stage}, state);
-    if (state.status != FitStatus::ok) return before;
+  const StageContext context{image, points, geometry, observer};
+  Candidate candidate{.surface = start, .detail = refinements_of(start.model)};
+  for (const Stage& stage : stages) {
+    // A start that is finer than a stage is drawn by the later ones, by the last one at least.
+    if (stage.detail < std::min(candidate.detail, stages.back().detail)) continue;
+    Surface before = candidate.surface;
+    run_stage(context, {stage}, candidate);
+    if (candidate.status != FitStatus::ok) return before;
   }
-  return state.surface;
+  return candidate.surface;
 }
 
 }  // namespace pellicle

@@ -20,8 +20,8 @@ std::optional<Surface> ellipsoid_of(const ExpertPoints& points, const ModelChoic
 /// uncertain as they are far apart, and there the image may not lead it away (along the brain stem, say).
 std::shared_ptr<const SearchLimit> search_limit_of(const Surface& drawn, const ExpertPoints& points, double h);
 
-/// `start` drawn to the points alone, with `detail` refinements at most; where one fails, as it was before.
-Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points, int detail,
-                        const Observer& observer);
+/// `start` drawn to the points alone by stages of growing detail (FitPlan::outline); where one fails, as it was before.
+Surface drawn_to_points(const Image<float>& image, const Surface& start, const ExpertPoints& points,
+                        const std::vector<Stage>& stages, const Observer& observer);
 
 }  // namespace pellicle

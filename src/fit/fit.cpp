@@ -11,9 +11,9 @@ namespace pellicle {
 namespace {
 
 // No hypothesis found an edge: the seed itself is handed back, with its status.
-FitResult nothing_seen(const Seed& seed, const FitSettings& settings) {
+FitResult nothing_seen(const Seed& seed, const FitOptions& options) {
   const auto* sphere = std::get_if<SeedSphere>(&seed);
-  const SurfaceModel model = start_model(settings.model);
+  const SurfaceModel model = start_model(options.model);
   FitResult result{sphere != nullptr
                        ? Surface{model, on_ellipsoid(model, sphere->center, sphere->radius * Mat3::Identity())}
                        : std::get<Surface>(seed),
@@ -59,9 +59,9 @@ struct Attempts {
 
 }  // namespace
 
-FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds, const FitSettings& settings,
-                      const Observer& observer) {
-  SurfaceFit fit(image, settings, observer);
+FitResult fit_surface(const FitInput& input, const FitOptions& options, const Observer& observer) {
+  SurfaceFit fit(input.image, input.points, options, observer);
+  const std::vector<Seed>& seeds = input.seeds;
   const auto prefix = [&](std::size_t s) { return seeds.size() > 1 ? fmt::format("seed {}: ", s + 1) : std::string(); };
   Attempts attempts;
   for (std::size_t s = 0; s < seeds.size() && !attempts.decided(); ++s) {
@@ -70,7 +70,7 @@ FitResult fit_surface(const Image<float>& image, const std::vector<Seed>& seeds,
   for (std::size_t s = 0; s < seeds.size() && !attempts.decided(); ++s) {
     attempts.add(fit.propose_similar(seeds[s], prefix(s)), fit, observer);
   }
-  if (attempts.all.empty()) return nothing_seen(seeds.front(), settings);
+  if (attempts.all.empty()) return nothing_seen(seeds.front(), options);
   Attempt& best = attempts.all[attempts.best];
   observer.tell_progress(0.5, "refining " + best.now.reading.name);
   // Margins compare like with like, before the best is refined; should refining take its lead away, that counts as

@@ -1,7 +1,6 @@
 #pragma once
 /// What a fit says of itself: status, stages, hypotheses, evidence, result.
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -94,13 +93,10 @@ struct TraceFrame {
   Surface surface;
 };
 
-/// Called now and then with the fraction done 0..1 and what is going on.
-using Progress = std::function<void(double fraction, const std::string& what)>;
-
 struct FitResult {
   Surface surface;
   FitSummary summary;
-  std::vector<TraceFrame> trace = {};  ///< on the way to `surface`, as FitSettings::trace_every says
+  std::vector<TraceFrame> trace = {};  ///< on the way to `surface`, as FitOptions::trace_every says
 };
 
 }  // namespace pellicle

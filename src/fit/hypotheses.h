@@ -9,13 +9,17 @@
 
 namespace pellicle {
 
+/// \param points expert points; empty: none.
 /// \param name_prefix for reports when there are several seeds.
 /// \throws BadData for an image without contrast (head).
-std::vector<Candidate> hypotheses_for(const Image<float>& image, const Seed& seed, const FitSettings& settings,
-                                      const std::string& name_prefix, const Observer& observer);
+std::vector<Candidate> hypotheses_for(const Image<float>& image, const Seed& seed, const FitOptions& options,
+                                      const ExpertPoints& points, const std::string& name_prefix,
+                                      const Observer& observer);
 
 /// The second line: "similar to the seed" with a ladder of ranges, for objects among other, stronger edges.
+/// \param line the stages that each of them runs.
 std::vector<Candidate> similarity_hypotheses(const Image<float>& image, const SeedSphere& seed,
-                                             const FitSettings& settings, const std::string& name_prefix);
+                                             const FitOptions& options, const PlanLine& line,
+                                             const std::string& name_prefix);
 
 }  // namespace pellicle

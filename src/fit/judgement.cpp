@@ -16,9 +16,8 @@ namespace pellicle {
 namespace {
 
 // Whether what lies behind the edge is like the object again.
-bool looks_like_membrane(const FitSettings& settings, const Reading& reading, const Evidence& evidence) {
-  return settings.boundary == Boundary::automatic && !reading.ridge && !reading.tissue &&
-         evidence.returning_share > 0.5;
+bool looks_like_membrane(Boundary boundary, const Reading& reading, const Evidence& evidence) {
+  return boundary == Boundary::automatic && !reading.ridge && !reading.tissue && evidence.returning_share > 0.5;
 }
 
 // By how much the best reading must be ahead of one that found another volume. Among ranges of "similar to the seed"
@@ -63,13 +62,13 @@ double seed_share(const SeedSphere& ball, const Attempt& attempt) {
 
 }  // namespace
 
-Judgement judge(const StageContext& context, const Candidate& candidate) {
+Judgement judge(const StageContext& context, const Candidate& candidate, Boundary boundary) {
   Judgement j;
   j.evidence = evidence_of(context.image, candidate.surface, candidate.reading.ridge, context.geometry);
   j.volume = volume_with_normals(tessellate(candidate.surface, 3));
   j.credit = j.evidence.score;
   // The near side of a membrane, unless a step was asked for.
-  if (looks_like_membrane(context.settings, candidate.reading, j.evidence) && j.credit > 0.0) j.credit *= 0.25;
+  if (looks_like_membrane(boundary, candidate.reading, j.evidence) && j.credit > 0.0) j.credit *= 0.25;
   // A seed says where the object is and, roughly, how large. Half the credit at three times its radius or a third of
   // it.
   const double radius = std::cbrt(3.0 * std::abs(j.volume) / (4.0 * std::numbers::pi));
@@ -78,8 +77,8 @@ Judgement judge(const StageContext& context, const Candidate& candidate) {
     j.credit /= 1.0 + std::pow(ratio, 4) + std::pow(inverse, 4);
   }
   // Points say where the surface is: half the credit where they lie a tenth of the radius off.
-  if (!context.settings.points.points.empty()) {
-    j.points = distances_to(context.settings.points, candidate.surface, context.image.grid.mean_spacing());
+  if (!context.points.points.empty()) {
+    j.points = distances_to(context.points, candidate.surface, context.image.grid.mean_spacing());
     if (j.credit > 0.0) j.credit /= 1.0 + std::pow(j.points->rms_mm / (0.1 * radius), 2);
   }
   return j;

@@ -18,13 +18,15 @@ struct Judgement {
   std::optional<PointDistances> points = {};  ///< of the expert points, when there are any
 };
 
-Judgement judge(const StageContext& context, const Candidate& candidate);
+/// \param boundary what the user says of it: a near side of a membrane is a bad step unless a step is asked for.
+Judgement judge(const StageContext& context, const Candidate& candidate, Boundary boundary);
 
 /// A candidate from its start to where it is now.
 struct Attempt {
   Candidate start, now;
   std::vector<StageSummary> stages = {};  ///< all that were run, those whose result was dropped included
   Judgement judgement = {};
+  StageRequest last = {};  ///< the stage that led to `now`, so that it can run again
   explicit Attempt(Candidate candidate) : start(candidate), now(std::move(candidate)) {}
 };
 

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/base/interrupt.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/base/random.h"
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/rim_springs.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/solve/hold_out.h"
 #include "pellicle/solve/objective.h"
 
@@ -52,9 +51,11 @@ std::vector<double> distances_of(const std::vector<Attachment>& at) {
 
 }  // namespace
 
-LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out)
+LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
+                   const Observer& observer)
     : data_(data),
       settings_(settings),
+      observer_(observer),
       hold_out_(hold_out),
       surface_(start),
       layout_(fit_layout(start.model)),
@@ -172,7 +173,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
   surface_.parameters = start_at_targets(surface_.model, layout_, targets);
   const std::vector<NamedRows> pull{{"targets", target_rows(targets, sample_areas(layout_, targets), 1.0)}};
   const auto pulled = [&](double factor) {
-    check_interrupt();
+    observer_.check_stopped();
     set_bending(factor);
     for (int k = 0; k < (solver_.has_closed_form() ? 1 : 3); ++k) {
       if (!solve(pull).usable) break;
@@ -193,7 +194,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
 }
 
 void LevelFit::step() {
-  check_interrupt();
+  observer_.check_stopped();
   const SampledSurface now(layout_, surface_);
   const std::vector<Attachment> at = attach(chosen_, now);
   const double half = data_surface_ ? 0.5 : 1.0;  // springs and reverse springs count alike

@@ -6,7 +6,7 @@
 
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/point_fit.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/solve/step_solver.h"
 
 namespace pellicle {
@@ -30,7 +30,8 @@ Parameters start_at_targets(const SurfaceModel& model, const SampleLayout& layou
 
 class LevelFit {
  public:
-  LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out);
+  LevelFit(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
+           const Observer& observer);
 
   const SampleLayout& layout() const { return layout_; }
   /// Least squares to one place a sample.
@@ -65,6 +66,7 @@ class LevelFit {
 
   const GeometryData& data_;
   const PointFitSettings& settings_;
+  const Observer& observer_;
   bool hold_out_;
   Surface surface_;
   SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts

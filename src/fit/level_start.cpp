@@ -33,32 +33,11 @@ Parameters affine_start(const SurfaceModel& model, const SampleLayout& layout, c
                       sound ? A : Mat3(std::max(size, 0.2 * svd.singularValues()[0]) * Mat3::Identity()));
 }
 
-// Vertices of a normal-subdivision surface lie on it: points and normals are read off the targets.
-void place_vertices(const NormalModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets,
-                    Parameters& parameters) {
-  const std::vector<Vec3> area = area_vectors(layout, targets);
-  for (int v = 0; v < model.vertex_count(); ++v) {
-    const auto at = 6 * static_cast<std::size_t>(v);
-    const Vec3 place(model.reference()[at], model.reference()[at + 1], model.reference()[at + 2]);
-    std::size_t nearest = 0;
-    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
-      if ((layout.reference[i] - place).squaredNorm() < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
-    }
-    const double length = area[nearest].norm();
-    for (int c = 0; c < 3; ++c) {
-      parameters[at + static_cast<std::size_t>(c)] = targets[nearest][c];
-      if (length > 0.0) parameters[at + 3 + static_cast<std::size_t>(c)] = area[nearest][c] / length;
-    }
-  }
-}
-
 }  // namespace
 
 double bending_weight(const SurfaceModel& model) {
   const double degree2 = 0.25 * control_point_count(model);
-  // Facets of a normal-subdivision surface bend between their control points whatever these do.
-  const double share = std::holds_alternative<NormalModel>(model) ? 0.002 : 1.0;
-  return 0.02 * share / (degree2 * degree2);
+  return 0.02 * bending_scale(model) / (degree2 * degree2);
 }
 
 CoarseBending coarse_bending(const SurfaceModel& model, const SampleLayout& layout) {
@@ -66,15 +45,8 @@ CoarseBending coarse_bending(const SurfaceModel& model, const SampleLayout& layo
   while (level < layout.level && control_point_count(model) * std::pow(4.0, level) < 600.0) ++level;
   if (level == layout.level) return {bending_rows(layout), {}};
   const SampleLayout coarse = knot_layout_of(model, level);
-  const PointTree tree(layout.reference);
-  CoarseBending out{bending_rows(coarse), {}};
-  double apart = 0.0;
-  for (const Vec3& place : coarse.reference) {
-    const auto near = tree.nearest(place, 1).front();
-    apart = std::max(apart, near.distance);
-    out.samples.push_back(near.point);
-  }
-  if (apart > 1e-9) return {bending_rows(layout), {}};  // levels that do not share their samples
+  CoarseBending out{bending_rows(coarse), samples_of_coarser(layout, coarse)};
+  if (out.samples.empty()) return {bending_rows(layout), {}};
   for (int& s : out.rows.sample) s = out.samples[static_cast<std::size_t>(s)];
   return out;
 }
@@ -94,7 +66,7 @@ std::vector<Vec3> targets_at(const SampleLayout& layout, const SphereMap& map, c
 
 Parameters start_at_targets(const SurfaceModel& model, const SampleLayout& layout, const std::vector<Vec3>& targets) {
   Parameters parameters = affine_start(model, layout, targets, sample_areas(layout, targets));
-  if (const auto* normal = std::get_if<NormalModel>(&model)) place_vertices(*normal, layout, targets, parameters);
+  place_on(model, layout, {targets, area_vectors(layout, targets)}, parameters);
   return parameters;
 }
 

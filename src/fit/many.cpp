@@ -64,8 +64,7 @@ void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& pie
 /// Fits every candidate that is still kept, from its own start.
 void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const std::vector<double>* typical,
              std::vector<ObjectFit>& candidates, const Observer& observer) {
-  FitSettings settings = scene.settings.fit;
-  settings.smoothing_mm.reset();  // the piece is smoothed already
+  const ExpertPoints no_points;
   std::atomic<std::size_t> done{0};
   parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -77,7 +76,7 @@ void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const 
       c.state = start_of(scene, c.start, territory);
       c.state.one_of_many = {&territory.own, scene.radius, typical};
       c.stages.clear();
-      const StageContext context{piece, settings, cache, observer};
+      const StageContext context{piece, no_points, cache, observer};
       for (const Stage& stage : scene.stages) {
         if (c.state.status == FitStatus::ok) c.stages.push_back(run_stage(context, {stage}, c.state).summary);
       }
@@ -176,8 +175,8 @@ ManyObject object_of(const ManyScene& scene, std::size_t source, const ObjectFit
   return object;
 }
 
-bool wants_dark(const Image<float>& image, const FitSettings& settings) {
-  if (settings.polarity != Polarity::automatic) return settings.polarity == Polarity::dark;
+bool wants_dark(const Image<float>& image, const FitOptions& options) {
+  if (options.polarity != Polarity::automatic) return options.polarity == Polarity::dark;
   return looks_dark(image);
 }
 
@@ -243,26 +242,10 @@ ManyScene scene_of(const Image<float>& image, const ManySettings& settings, cons
           territories_of(blob_response(field, radius, 0.8), positions),
           model,
           detail,
-          stages_of_many(settings.fit)};
+          plan_for(settings.fit, StartKind::many, false).first.stages};
 }
 
 }  // namespace
-
-std::vector<Stage> stages_of_many(const FitSettings& settings) {
-  std::vector<Stage> stages = settings.stages;
-  if (stages.empty()) {
-    stages.push_back({.name = "body",
-                      .detail = 0,
-                      .energies = {{energy::body, 1.0}, {energy::bending, 4e-4}},
-                      .resolution = 1.0,
-                      .smoothing = 0.0,
-                      .max_steps = 9,
-                      .tolerance = 0.0,
-                      .solver = Solver::dynamic,
-                      .motion = {1.0, 0.0, 0.04}});
-  }
-  return with_settings(std::move(stages), settings);
-}
 
 std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySettings& settings) {
   const BlobField field = blob_field(image, wants_dark(image, settings.fit));

@@ -11,13 +11,14 @@
 
 #include "pellicle/base/observer.h"
 #include "pellicle/fit/fit_types.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/seed/blob_scale_space.h"
 #include "pellicle/seed/seed.h"
 
 namespace pellicle {
 
 struct ManySettings {
-  FitSettings fit;                    ///< stages empty: the one stage of many objects (stages_of_many)
+  FitOptions fit;                     ///< stages empty: the one stage of many objects (plan.h)
   std::optional<RadiusRange> radius;  ///< of the objects, mm; default: estimated
   SeedRules seeds;
 };
@@ -48,9 +49,6 @@ struct ManyResult {
   double variation = 0.0;                        ///< median of (p95 - ground) / (p50 - ground) inside the objects
   bool typical_shape = false;  ///< refitted towards the objects' own typical shape, see docs/nuclei.md
 };
-
-/// The stage that fits one of many objects.
-std::vector<Stage> stages_of_many(const FitSettings& settings);
 
 /// Where objects seem to be, as balls of their typical radius, the clearest first: what fit_many starts from.
 std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySettings& settings);

@@ -22,7 +22,7 @@ IndexBox box_about(const ImageGrid& grid, const Vec3& x, double reach) {
 
 }  // namespace
 
-std::pair<SurfaceModel, int> model_of_many(const FitSettings& settings) {
+std::pair<SurfaceModel, int> model_of_many(const FitOptions& settings) {
   SurfaceModel model = start_model(settings.model);
   Surface surface{model, affine_image(model, Vec3::Zero(), Mat3::Identity())};
   int detail = 0;
@@ -79,7 +79,7 @@ Image<float> piece_of(const ManyScene& scene, const Territory& territory, Domain
   return piece;
 }
 
-Image<float> smoothed_for_many(Image<float> image, const FitSettings& settings, double radius) {
+Image<float> smoothed_for_many(Image<float> image, const FitOptions& settings, double radius) {
   const Index3 factor = bin_factors(image.grid, radius / 16.0);
   if (!(factor == Index3{1, 1, 1})) image = crop_and_bin(image, {{0, 0, 0}, image.grid.size}, factor);
   return gaussian_smooth(std::move(image), settings.smoothing_mm.value_or(kSmoothing * radius));

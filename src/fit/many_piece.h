@@ -44,7 +44,7 @@ struct Territory {
 };
 
 /// The model of every object and its refinements: `--detail`, or about 26 control points.
-std::pair<SurfaceModel, int> model_of_many(const FitSettings& settings);
+std::pair<SurfaceModel, int> model_of_many(const FitOptions& settings);
 
 Territory territory_of(const ManyScene& scene, std::size_t object, const ManyStart& start);
 
@@ -52,7 +52,7 @@ Territory territory_of(const ManyScene& scene, std::size_t object, const ManySta
 Image<float> piece_of(const ManyScene& scene, const Territory& territory, Domain domain);
 
 /// As fits see it: voxels of a 16th of the radius at least, smoothed. Once for all, since pieces overlap.
-Image<float> smoothed_for_many(Image<float> image, const FitSettings& settings, double radius);
+Image<float> smoothed_for_many(Image<float> image, const FitOptions& settings, double radius);
 
 /// The surface that a fit begins with: as given, or a ball in the territory.
 Candidate start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory);

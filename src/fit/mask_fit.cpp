@@ -6,10 +6,10 @@
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/image/reorder.h"
-#include "pellicle/mesh/overlap.h"
-#include "pellicle/raster/mask_part.h"
+#include "pellicle/mask/moments.h"
+#include "pellicle/mask/overlap.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/raster/rasterize.h"
-#include "pellicle/seed/components.h"
 #include "pellicle/seed/seed_surface.h"
 #include "pellicle/seed/voxel_seed.h"
 
@@ -44,10 +44,10 @@ struct MaskFit {
 };
 
 MaskFit fitted(const Image<float>& image, Candidate state, const std::vector<std::pair<int, double>>& stages) {
-  FitSettings settings;
+  const ExpertPoints none;
   GeometryCache geometry;
   const Observer nobody;
-  const StageContext context{image, settings, geometry, nobody};
+  const StageContext context{image, none, geometry, nobody};
   for (const auto& [detail, reach] : stages) {
     const Stage stage{.name = "mask",
                       .detail = detail,

@@ -11,7 +11,7 @@
 #include "pellicle/fit/level_fit.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 
@@ -97,18 +97,19 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {
 }
 
 PointFit fit_to_map(const SurfaceModel& model, const GeometryData& data, const Correspondence& correspondence,
-                    const PointFitSettings& settings, bool hold_out) {
+                    const PointFitSettings& settings, bool hold_out, const Observer& observer) {
   const auto begin = std::chrono::steady_clock::now();
-  LevelFit fit({model, affine_image(model, Vec3::Zero(), Mat3::Identity())}, data, settings, hold_out);
+  LevelFit fit({model, affine_image(model, Vec3::Zero(), Mat3::Identity())}, data, settings, hold_out, observer);
   fit.to_targets(targets_at(fit.layout(), correspondence.map, correspondence.map_from_reference));
   fit.springs();
   fit.bound_residuals();
   return fit.result(seconds_since(begin));
 }
 
-PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out) {
+PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
+                  const Observer& observer) {
   const auto begin = std::chrono::steady_clock::now();
-  LevelFit fit(start, data, settings, hold_out);
+  LevelFit fit(start, data, settings, hold_out, observer);
   fit.springs();
   fit.bound_residuals();
   return fit.result(seconds_since(begin));

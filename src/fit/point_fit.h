@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "pellicle/base/observer.h"
 #include "pellicle/fit/fit.h"
-#include "pellicle/mesh/rim.h"
-#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/mesh/points/rim.h"
+#include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -28,7 +29,7 @@ GeometryData data_of(TriangleMesh surface, int samples);
 double diameter_of(const std::vector<Vec3>& points);
 
 /// A first guess which place of the data belongs to which place of the reference shape. Known for spheres
-/// (mesh/sphere_map.h); a model that starts near the data needs none.
+/// (mesh/sphere/sphere_map.h); a model that starts near the data needs none.
 struct Correspondence {
   SphereMap map;
   Mat3 map_from_reference = Mat3::Identity();  ///< a rotation: where the reference shape's axes lie on the map
@@ -74,9 +75,10 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe);
 /// until the residual stops falling. \param hold_out every tenth point takes no part; its residual is in the summary.
 /// \throws BadData when model and data do not fit together (no reference shape); Interrupted.
 PointFit fit_to_map(const SurfaceModel& model, const GeometryData& data, const Correspondence& correspondence,
-                    const PointFitSettings& settings, bool hold_out);
+                    const PointFitSettings& settings, bool hold_out, const Observer& observer = {});
 /// The same for a surface that is near the data already.
-PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out);
+PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
+                  const Observer& observer = {});
 
 /// Residuals both ways and self-intersections, measured on a dense mesh of the surface.
 void measure_fit(const GeometryData& data, PointFit& fit);

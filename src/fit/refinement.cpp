@@ -12,7 +12,7 @@ constexpr double kGain = 0.99;       // of the held-out rms: less than one per c
 constexpr double kPointsGain = 0.9;  // of the held-out points, to go without the image
 constexpr double kNoise = 0.05;      // correlation of neighbouring residuals
 constexpr double kSmoothnessStep = 3.0;
-constexpr int kSmoothnessRounds = 4, kSmoothnessSteps = 5;
+constexpr int kSmoothnessRounds = 4;
 
 // Whether something can be left out of the stage and predicted: edges, or, where no stage has edges, expert points.
 bool measures(const Stage& stage, const std::vector<Stage>& stages) {
@@ -26,10 +26,10 @@ const char* kDroppedSamples = "dropped: samples left out are not foretold better
 }  // namespace
 
 std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
-  const std::vector<Stage>& stages = attempt.now.stages;
-  const std::optional<double>& target = fit.settings().error_target_mm;
+  const std::vector<Stage>& stages = attempt.now.line.stages;
+  const std::optional<double>& target = fit.options().error_target_mm;
   std::optional<Refined> best;
-  for (std::size_t s = attempt.now.compare_after; s < stages.size() && attempt.now.status == FitStatus::ok; ++s) {
+  for (std::size_t s = attempt.now.line.compare_after; s < stages.size() && attempt.now.status == FitStatus::ok; ++s) {
     if (best && best->outcome.residual_correlation < kNoise && !target) {
       attempt.stages.back().note = "what is left is noise";
       break;
@@ -57,11 +57,12 @@ std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
 void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
   const EnergyKind* smooth = best.stage.energies.with(&EnergyTraits::smooths);
   if (smooth == nullptr) return;
+  const int steps = fit.plan(StartKind::ball).smoothness_steps;
   for (const double factor : {kSmoothnessStep, 1.0 / kSmoothnessStep}) {
     bool improved = false;
     for (int round = 0; round < kSmoothnessRounds; ++round) {
       Stage stage = best.stage;
-      stage.max_steps = kSmoothnessSteps;
+      stage.max_steps = steps;
       stage.energies[*smooth] *= factor;
       stage.name = fmt::format("smoothness {:.0e}", stage.energies[*smooth]);
       Candidate candidate = best.candidate;
@@ -95,15 +96,16 @@ void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best) {
 }
 
 void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
-  const Candidate before = attempt.now;
   std::optional<Refined> best = choose_detail(fit, attempt);
-  attempt.now = best ? best->candidate : before;
-  if (!best || attempt.now.status != FitStatus::ok) return;
+  if (!best) return;  // no stage measures anything: what they led to stands
+  attempt.now = best->candidate;
+  if (attempt.now.status != FitStatus::ok) return;
   choose_smoothness(fit, attempt, *best);
   choose_image_or_points(fit, attempt, *best);
   attempt.now = std::move(best->candidate);
   best->stage.name = "all samples";
-  attempt.stages.push_back(fit.advance(attempt.now, {.stage = best->stage, .all_samples = true}).summary);
+  attempt.last = {.stage = best->stage, .all_samples = true};
+  attempt.stages.push_back(fit.advance(attempt.now, attempt.last).summary);
 }
 
 }  // namespace pellicle

@@ -22,7 +22,7 @@ namespace pellicle {
 
 namespace {
 
-/// The outline that pulls of the image are believed near; further off they have no weight.
+/// Targets of samples that lie further from the outline than the limit allows get no weight.
 void keep_within(const SearchLimit& limit, const SampleView& surface, NormalTargets& targets) {
   parallel_for(targets.weight.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -46,22 +46,13 @@ double mean_normal_move(const SampledSurface& from, const SampledSurface& to) {
   return move;
 }
 
-/// Weights of a stage, and of a volume prior that the fit as a whole asks for.
-EnergyWeights weights_in(const Stage& stage, const FitSettings& settings) {
-  EnergyWeights weights = stage.energies;
-  if (settings.target_volume_ml && !weights.contains(energy::volume)) {
-    weights[energy::volume] = settings.volume_weight;
-  }
-  return weights;
-}
-
 class StageRun {
  public:
   StageRun(const StageContext& context, const StageRequest& request, Candidate& candidate)
       : context_(context),
         request_(request),
         stage_(request.stage),
-        weights_(weights_in(request.stage, context.settings)),
+        weights_(request.stage.energies),
         state_(candidate),
         h_in_(context.image.grid.mean_spacing()) {}
 
@@ -137,7 +128,7 @@ void StageRun::prepare() {
   // A stage that does not need every voxel works on voxels of a fifteenth of the object's radius.
   const double resolution = stage_.resolution > 0.0 ? stage_.resolution : std::max(1.0, radius / (15.0 * h_in_));
   h_ = WorkingImage(context_.image, state_.reading, resolution, 0.0, 0.0).h();
-  smoothing_mm_ = context_.settings.smoothing_mm.value_or(stage_.smoothing * h_);
+  smoothing_mm_ = stage_.smoothing_mm.value_or(stage_.smoothing * h_);
   reach_ = request_.first_reach_mm > 0.0 ? std::max(request_.first_reach_mm, stage_.reach * h_)
                                          : std::max(stage_.reach * h_, 0.15 * radius);
   for (const auto& [kind, weight] : weights_) {
@@ -181,7 +172,7 @@ void StageRun::make_solver(const SampledSurface& g) {
 }
 
 void StageRun::keep_frame(int step, bool last) {
-  const int every = context_.settings.trace_every;
+  const int every = request_.trace_every;
   if (every <= 0 || (step % every != 0 && !last)) return;
   state_.trace.push_back({stage_.name, step, state_.surface});
 }
@@ -200,9 +191,9 @@ void StageRun::ask_terms(const SampledSurface& g, int step) {
                 .steps = max_steps_,
                 .delay = delay_,
                 .detail = state_.detail,
-                .points = &context_.settings.points,
+                .points = &context_.points,
                 .one_of_many = state_.one_of_many};
-  if (context_.settings.target_volume_ml) view.target_volume = 1000.0 * *context_.settings.target_volume_ml;
+  view.target_volume = stage_.target_volume;
   if (stage_.solver == Solver::gradient && !state_.reading.ridge && !state_.reading.similarity) {
     estimate_levels(view, state_.levels);
   }
@@ -322,8 +313,8 @@ StageOutcome StageRun::run() {
   summary.samples = geometry_->layout.sample_count();
   now_ = sampled();
   make_solver(*now_);
-  max_steps_ = context_.settings.max_iterations.value_or(static_cast<int>(std::ceil(delay_ * stage_.max_steps)));
-  tolerance_mm_ = context_.settings.tolerance.value_or(stage_.tolerance) * h_;
+  max_steps_ = stage_.max_steps;
+  tolerance_mm_ = stage_.tolerance * h_;
   before_ = now_->x();  // every stage starts at rest
   keep_frame(0, false);
   for (int step = 0; step < max_steps_ && !ended_; ++step) {

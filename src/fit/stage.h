@@ -14,6 +14,7 @@ struct StageRequest {
   Stage stage;
   double first_reach_mm = 0.0;  ///< reach of the first search; 0: the stage's own
   bool hold_out = false;        ///< leave every fourth sample (of edges) and expert point out, and measure there
+  int trace_every = 0;          ///< keep every n-th step in the candidate's trace; 0: none
   bool all_samples = false;     ///< the last stage: about one sample per voxel along the surface
 };
 
@@ -29,7 +30,7 @@ struct StageOutcome {
 /// Values that hold for all stages of a fit.
 struct StageContext {
   const Image<float>& image;
-  const FitSettings& settings;
+  const ExpertPoints& points;
   GeometryCache& geometry;
   const Observer& observer;
 };

@@ -3,23 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/mesh/point_tree.h"
-
 namespace pellicle {
 
 StageGeometry::StageGeometry(const SurfaceModel& model, int level)
-    : layout(layout_of(model, level)), graph(layout), coarser(layout_of(model, std::min(level, 2))) {
-  // A sample of the coarser level is the one of this level at the same place on the reference shape.
-  double apart = 0.0, size = 0.0;
-  const PointTree places(layout.reference);
-  for (const Vec3& place : coarser.reference) {
-    const PointTree::Neighbour nearest = places.nearest(place, 1).front();
-    apart = std::max(apart, nearest.distance);
-    size = std::max(size, place.norm());
-    coarse.push_back(nearest.point);
-  }
-  if (apart > 1e-9 * size) coarse.clear();
-}
+    : layout(layout_of(model, level)),
+      graph(layout),
+      coarser(layout_of(model, std::min(level, 2))),
+      coarse(samples_of_coarser(layout, coarser)) {}
 
 const VectorRows& StageGeometry::constant_rows(const EnergyKind& kind) const {
   const std::scoped_lock lock(mutex_);

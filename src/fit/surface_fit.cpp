@@ -10,9 +10,10 @@
 
 namespace pellicle {
 
-SurfaceFit::SurfaceFit(const Image<float>& image, FitSettings settings, Observer observer)
-    : image_(image), settings_(std::move(settings)), observer_(std::move(observer)) {
-  settings_.validate();
+SurfaceFit::SurfaceFit(const Image<float>& image, ExpertPoints points, FitOptions options, Observer observer)
+    : image_(image), points_(std::move(points)), options_(std::move(options)), observer_(std::move(observer)) {
+  pellicle::validate(points_);
+  options_.validate(!points_.points.empty());
 }
 
 std::vector<Candidate> SurfaceFit::propose(const Seed& seed, const std::string& name_prefix) {
@@ -21,30 +22,33 @@ std::vector<Candidate> SurfaceFit::propose(const Seed& seed, const std::string& 
     throw UsageError(fmt::format("seed surface ({}): is open and encloses no object; start from a closed one",
                                  model_name(surface->model)));
   }
-  return hypotheses_for(image_, seed, settings_, name_prefix, observer_);
+  return hypotheses_for(image_, seed, options_, points_, name_prefix, observer_);
 }
 
 std::vector<Candidate> SurfaceFit::propose_similar(const Seed& seed, const std::string& name_prefix) {
   const auto* ball = std::get_if<SeedSphere>(&seed);
-  const bool wanted =
-      settings_.similarity && settings_.start_rule == StartRule::automatic && settings_.boundary != Boundary::ridge;
-  if (!wanted || ball == nullptr) return {};
-  return similarity_hypotheses(image_, *ball, settings_, name_prefix);
+  if (ball == nullptr) return {};
+  const std::optional<PlanLine> line = plan(StartKind::ball).similar;
+  if (!line) return {};
+  return similarity_hypotheses(image_, *ball, options_, *line, name_prefix);
 }
 
 StageOutcome SurfaceFit::advance(Candidate& candidate, const StageRequest& request) {
-  return run_stage(context(), request, candidate);
+  StageRequest traced = request;
+  traced.trace_every = options_.trace_every;
+  return run_stage(context(), traced, candidate);
 }
 
 Judgement SurfaceFit::judge(const Candidate& candidate) {
-  return pellicle::judge(context(), candidate);
+  return pellicle::judge(context(), candidate, options_.boundary);
 }
 
 void SurfaceFit::try_out(Attempt& attempt) {
-  for (std::size_t s = 0; s < attempt.now.compare_after && attempt.now.status == FitStatus::ok; ++s) {
-    StageRequest request{.stage = attempt.now.stages[s]};
+  for (std::size_t s = 0; s < attempt.now.line.compare_after && attempt.now.status == FitStatus::ok; ++s) {
+    StageRequest request{.stage = attempt.now.line.stages[s]};
     if (s == 0) request.first_reach_mm = attempt.now.first_reach_mm;
     attempt.stages.push_back(advance(attempt.now, request).summary);
+    attempt.last = {.stage = request.stage};
   }
   attempt.judgement = judge(attempt.now);
 }
@@ -55,8 +59,9 @@ void SurfaceFit::refine(Attempt& attempt) {
 }
 
 void SurfaceFit::set_points(ExpertPoints points) {
-  settings_.points = std::move(points);
-  settings_.validate();
+  pellicle::validate(points);
+  options_.validate(!points.points.empty());
+  points_ = std::move(points);
 }
 
 }  // namespace pellicle

@@ -16,8 +16,9 @@ namespace pellicle {
 class SurfaceFit {
  public:
   /// \param image whole volume, LPS mm; must outlive the fit.
-  /// \throws UsageError for settings that break a rule.
-  SurfaceFit(const Image<float>& image, FitSettings settings, Observer observer = {});
+  /// \param points expert points; empty: none.
+  /// \throws SettingError for options and points that break a rule.
+  SurfaceFit(const Image<float>& image, ExpertPoints points, FitOptions options, Observer observer = {});
 
   /// The hypotheses about what a seed means, none of them advanced yet. \param name_prefix of their names.
   /// \throws UsageError for a seed that is an open surface; BadData for an image without contrast; Interrupted.
@@ -37,16 +38,19 @@ class SurfaceFit {
   /// again.
   void refine(Attempt& attempt);
 
-  /// From now on the surface is drawn to these points too. \throws UsageError for weights that break a rule.
+  /// From now on the surface is drawn to these points. \throws SettingError for weights that break a rule.
   void set_points(ExpertPoints points);
 
-  const FitSettings& settings() const { return settings_; }
+  const FitOptions& options() const { return options_; }
+  /// The plan of this fit from a start of that kind.
+  FitPlan plan(StartKind start) const { return plan_for(options_, start, !points_.points.empty()); }
 
  private:
-  StageContext context() { return {image_, settings_, geometry_, observer_}; }
+  StageContext context() { return {image_, points_, geometry_, observer_}; }
 
   const Image<float>& image_;
-  FitSettings settings_;
+  ExpertPoints points_;
+  FitOptions options_;
   Observer observer_;
   GeometryCache geometry_;
 };

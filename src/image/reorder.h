@@ -1,5 +1,5 @@
 #pragma once
-/// One storage order for all: what is computed from a volume must not depend on how its file happens to store it.
+/// One storage order for all volumes, so that results do not depend on the order in which a file stores its voxels.
 
 #include <cstdint>
 

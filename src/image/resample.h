@@ -1,5 +1,5 @@
 #pragma once
-/// Cropping, binning and smoothing: the pyramid that image forces are taken from.
+/// Cropping, binning and smoothing of images, and the noise in them.
 
 #include "pellicle/image/image.h"
 

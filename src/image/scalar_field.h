@@ -5,7 +5,7 @@
 
 namespace pellicle {
 
-/// Continuous (trilinear) values along straight lines: what profiles are made of. Holds a reference to the image.
+/// Continuous (trilinear) values along straight lines: for intensity profiles. Holds a reference to the image.
 class TrilinearField {
  public:
   explicit TrilinearField(const Image<float>& image);
@@ -20,7 +20,7 @@ class TrilinearField {
   Mat3 index_from_world_;
 };
 
-/// Continuously differentiable values: tricubic Catmull-Rom (Keys 1981, a = -1/2), interpolating, 64 voxels a point,
+/// Continuously differentiable values: tricubic Catmull-Rom (Keys 1981, a = -1/2), interpolating, 64 voxels per point,
 /// border values continued. For the scalar energies, whose gradient must be the derivative of the value.
 class CubicField {
  public:

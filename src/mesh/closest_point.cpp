@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "pellicle/mesh/distance.h"
-#include "pellicle/mesh/embree_scene.h"
+#include "pellicle/mesh/internal/embree_scene.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {

@@ -41,9 +41,10 @@ struct SurfaceDistances {
   double assd = 0.0;  ///< average symmetric surface distance: mean over both sample sets together, by area
   double hd95 = 0.0;  ///< larger of the two directed 95th percentiles
   double hd = 0.0;    ///< larger of the two directed maxima, over samples and vertices
-  double nsd = 0.0;   ///< normalised surface Dice: share of both areas within the tolerance of the other
+  double nsd = 0.0;   ///< normalised surface Dice: fraction of both areas within the tolerance of the other
 };
-/// Swapping a and b gives the same bits. \throws BadData when a surface has no area.
+/// Swapping a and b gives the same bits.
+/// \throws BadData when a surface has no area.
 SurfaceDistances surface_distances(const TriangleMesh& a, const TriangleMesh& b, double tolerance_mm,
                                    int samples = 20000);
 

@@ -1,4 +1,4 @@
-#include "pellicle/mesh/exact_predicates.h"
+#include "pellicle/mesh/internal/exact_predicates.h"
 
 #include <cmath>
 #include <limits>

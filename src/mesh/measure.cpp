@@ -73,6 +73,12 @@ double volume_of(const TriangleMesh& mesh) {
   return six / 6.0;
 }
 
+void turn_outward(TriangleMesh& mesh) {
+  if (volume_of(mesh) >= 0.0) return;
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  for (auto& normal : mesh.normals) normal = -normal;
+}
+
 double volume_with_normals(const TriangleMesh& mesh) {
   if (mesh.normals.size() != mesh.vertices.size()) {
     throw BadData("volume with normals (mesh): the mesh has no vertex normals");

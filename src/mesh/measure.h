@@ -1,5 +1,5 @@
 #pragma once
-/// What a mesh measures, and whether it is a proper surface.
+/// Area, volume and centroid of a mesh, its topology, and where it cuts itself.
 
 #include <array>
 #include <cstddef>
@@ -12,26 +12,30 @@ namespace pellicle {
 /// \throws BadData naming the first facet with a vertex that does not exist, or the first coordinate that is not
 /// finite.
 void check_indices(const TriangleMesh& mesh);
-/// \throws BadData naming the first edge that is open or not run through equally often both ways, `what` first.
+/// \throws BadData naming the first edge that is open, or not used equally often in both directions; `what` begins the
+/// message.
 void require_closed(const TriangleMesh& mesh, const std::string& what);
 
 double area_of(const TriangleMesh& mesh);  ///< mm^2
 /// Divergence theorem on flat facets, mm^3; positive for outward orientation. Meaningful for closed meshes only.
 double volume_of(const TriangleMesh& mesh);
+/// Turns a closed mesh whose volume is negative inside out.
+void turn_outward(TriangleMesh& mesh);
 /// 4th order in the facet size where vertex normals are exact (models.md 1.7): flat volume plus the mean height of the
-/// cubic patch over each facet. \pre normals are present.
+/// cubic patch over each facet.
+/// \pre normals are present.
 double volume_with_normals(const TriangleMesh& mesh);
 Vec3 centroid_of(const TriangleMesh& mesh);  ///< of the enclosed solid
 
-/// Combinatorial health.
+/// Connectivity: closed, manifold, oriented, and the counts that follow.
 struct MeshTopology {
   bool closed = false;    ///< every edge has exactly two facets
-  bool manifold = false;  ///< no edge with more than two facets, one fan a vertex
-  bool oriented = false;  ///< every inner edge is run through once each way
+  bool manifold = false;  ///< no edge with more than two facets, one fan per vertex
+  bool oriented = false;  ///< every inner edge is used once in each direction
   int components = 0;
   int euler = 0;            ///< V - E + F (vertices in use)
   int border_loops = 0;     ///< rings of open edges; valid when manifold and oriented
-  int genus = 0;            ///< sum over components, border loops thought closed by discs; valid as border_loops is
+  int genus = 0;            ///< sum over components, border loops closed by discs; valid as border_loops is
   std::string first_fault;  ///< e.g. "edge 12-57 has 3 facets"; empty when all is well
 };
 MeshTopology topology_of(const TriangleMesh& mesh);

@@ -5,8 +5,8 @@
 #include <mutex>
 
 #include "pellicle/base/parallel.h"
-#include "pellicle/mesh/embree_scene.h"
-#include "pellicle/mesh/exact_predicates.h"
+#include "pellicle/mesh/internal/embree_scene.h"
+#include "pellicle/mesh/internal/exact_predicates.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {
@@ -54,7 +54,7 @@ void collect(void* user, RTCCollision* collisions, unsigned count) {
   }
 }
 
-// By position, so that a seam of doubled vertices is no contact.
+// By position, so that a seam of doubled vertices is not a contact.
 bool cut(const TriangleMesh& mesh, std::size_t first, std::size_t second) {
   std::array<Vec3, 3> a, b;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -12,13 +12,11 @@ namespace pellicle {
 struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<Vec3> normals;  ///< outward unit normals, one a vertex, or empty when unknown
+  std::vector<Vec3> normals;  ///< outward unit normals, one per vertex, or empty when unknown
 };
 
-/// Puts `part` beside what `all` holds. \pre both have normals, or neither.
+/// Puts `part` beside what `all` holds.
+/// \pre both have normals, or neither.
 void append(TriangleMesh& all, const TriangleMesh& part);
-
-/// Turns a closed mesh whose volume is negative inside out.
-void turn_outward(TriangleMesh& mesh);
 
 }  // namespace pellicle

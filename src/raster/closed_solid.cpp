@@ -5,13 +5,14 @@
 #include <optional>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/image/limb_growth.h"
+#include "pellicle/mask/limb_growth.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/raster/gauss_field.h"
-#include "pellicle/raster/mask_morphology.h"
-#include "pellicle/raster/mask_part.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/raster/internal/gauss_field.h"
+#include "pellicle/raster/internal/occupied_voxels.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -20,12 +21,12 @@ namespace {
 
 using Mask = Image<std::uint8_t>;
 
-/// Fills every gap that `steps` of growing close, and returns to size.
+/// Morphological closing by cubes of `steps` voxels each way, cavities filled, largest part.
 Mask closed(Mask mask, int steps) {
-  grow_or_shrink(mask, steps, true);
+  grow(mask, steps);
   fill_cavities(mask);
-  grow_or_shrink(mask, steps, false);
-  keep_largest(mask);
+  shrink(mask, steps);
+  keep_largest_part(mask);
   fill_cavities(mask);
   return mask;
 }
@@ -42,8 +43,8 @@ struct Candidate {
   int genus = 0;
 };
 
-// Solids on finer and coarser grids, the widest gaps bridged first. One that lets water in loses most of its volume
-// against the one before and is left out.
+// Solids on finer and coarser grids, the widest gaps bridged first. A solid that has lost much of the volume of the one
+// before has a leak and is left out.
 std::vector<Candidate> watertight_solids(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi,
                                          double spacing) {
   constexpr double kKept = 0.7;
@@ -72,7 +73,7 @@ std::vector<Candidate> watertight_solids(const std::vector<Vec3>& points, const 
   return solids;
 }
 
-// One point a voxel, of the finest voxels that leave so few.
+// One point per voxel, of the finest voxels that leave so few.
 std::vector<Vec3> evenly_thinned(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi, std::size_t most) {
   if (points.size() <= most) return points;
   for (double h = (hi - lo).maxCoeff() / 100.0;; h *= 1.1) {
@@ -89,7 +90,7 @@ std::vector<Vec3> evenly_thinned(const std::vector<Vec3>& points, const Vec3& lo
   }
 }
 
-// How far points and surface are from each other: the means both ways added, and twice the widest gap.
+// Distance between points and surface: the sum of the means in both directions, and twice the widest gap.
 struct Misfit {
   double mean = 0.0, gap = 0.0;
 };
@@ -110,7 +111,7 @@ Misfit misfit_of(const TriangleMesh& surface, const PointTree& points) {
   return misfit;
 }
 
-// Weights 1, 2, 1 along each axis: what is narrower than the points lie apart is chance.
+// Weights 1, 2, 1 along each axis: details narrower than the distance of neighbouring points are due to chance.
 void smooth(Image<float>& field) {
   const Index3& size = field.grid.size;
   std::size_t step = 1;
@@ -130,7 +131,7 @@ void smooth(Image<float>& field) {
 // the field.
 Image<std::uint8_t> limbs_beyond(const TriangleMesh& surface, const PointTree& points, const ImageGrid& grid) {
   constexpr double kOff = 0.75, kFar = 2.0, kLink = 3.0;  // voxels
-  constexpr double kUsuallyOff = 3.0, kUsuallyFar = 6.0;  // medians of all distances: noise is no limb
+  constexpr double kUsuallyOff = 3.0, kUsuallyFar = 6.0;  // medians of all distances: noise is not a limb
   constexpr int kNeighbours = 8;
   constexpr std::size_t kLeast = 3;
   constexpr std::uint8_t kAll = 0xFF;  // octants
@@ -183,7 +184,7 @@ void add_limbs(Candidate& c, const PointTree& points) {
   if (genus_of(with.surface) == c.genus) c = std::move(with);
 }
 
-// What is above one half. Of no, one or two smoothings the first that leaves the fewest handles: those of chance go.
+// The field above one half. Of none, one or two smoothings the first with the fewest handles: smoothing removes chance.
 std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo, const Vec3& hi) {
   constexpr double kMostVoxels = 72.0;  // along the longest edge
   constexpr std::size_t kLeastPart = 8;
@@ -208,7 +209,7 @@ std::optional<Candidate> gauss_candidate(const PointTree& points, const Vec3& lo
   return best;
 }
 
-// The narrowest watertight one, or Gauss's where that is nearer to the points.
+// The solid without a leak that bridges the narrowest gap, or that of Gauss's formula if it is nearer to the points.
 std::optional<Candidate> nearest_solid(const std::vector<Vec3>& points, const Vec3& lo, const Vec3& hi,
                                        const std::vector<Candidate>& watertight) {
   constexpr std::size_t kMost = 2000;
@@ -239,19 +240,19 @@ ClosedSolid solid_of_points(const std::vector<Vec3>& points, double spacing) {
     Candidate& given = solids.back();
     return {std::move(c->surface), c->closing, given.genus, std::move(given.mask)};
   }
-  // Sheets and dust: grown without shrinking.
+  // Open sheets and sparse points: dilated without erosion.
   for (const double n : {24.0, 16.0, 10.0, 6.0, 4.0}) {
     Mask mask = occupied_voxels(points, lo, hi, extent / n, 4);
-    grow_or_shrink(mask, 1, true);
+    grow(mask, 1);
     fill_cavities(mask);
-    keep_largest(mask);
+    keep_largest_part(mask);
     ClosedSolid solid{surface_of_mask(mask), 3.0 * extent / n, 0, mask};
     if (genus_of(solid.surface) == 0) return solid;
   }
   throw BadData("surface around points: no closed surface of genus 0 could be laid around them");
 }
 
-void turn_out_of(const Mask& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals) {
+void orient_outward(const Mask& solid, const std::vector<Vec3>& points, std::vector<Vec3>& normals) {
   const ImageGrid& grid = solid.grid;
   const auto inside = [&](const Vec3& x) {
     Index3 at{};

@@ -5,7 +5,9 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/raster/mask_morphology.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
+#include "pellicle/raster/internal/occupied_voxels.h"
 
 namespace pellicle {
 
@@ -36,10 +38,10 @@ bool meets(const Mask& sheet, const Vec3& from, const Vec3& direction) {
   }
 }
 
-// The grown sheet and what it covers.
+// The dilated sheet and the voxels from which enough directions meet it.
 void fill_below_mouth(Mask& sheet) {
   constexpr int kDirections = 128;
-  constexpr double kShare = 0.45;
+  constexpr double kFraction = 0.45;
   const std::vector<Vec3> looks = directions(kDirections);
   const Index3& size = sheet.grid.size;
   std::vector<std::uint8_t> inside(sheet.voxels.size());
@@ -53,7 +55,7 @@ void fill_below_mouth(Mask& sheet) {
               (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
                   static_cast<std::size_t>(size[0]) +
               static_cast<std::size_t>(i);
-          inside[at] = static_cast<double>(hits) >= kShare * kDirections ? 1 : 0;
+          inside[at] = static_cast<double>(hits) >= kFraction * kDirections ? 1 : 0;
         }
       }
     }
@@ -74,10 +76,10 @@ Mask filled_cup(const std::vector<Vec3>& points, double spacing) {
   const double voxel = std::max((hi - lo).maxCoeff() / kGrid, 3.0 * spacing);
   Mask mask = occupied_voxels(points, lo, hi, voxel, 3);
   const auto sheet = static_cast<double>(std::count(mask.voxels.begin(), mask.voxels.end(), 1));
-  grow_or_shrink(mask, 1, true);
+  grow(mask, 1);
   fill_below_mouth(mask);
-  grow_or_shrink(mask, 1, false);
-  const auto filled = static_cast<double>(keep_largest(mask));
+  shrink(mask, 1);
+  const auto filled = static_cast<double>(keep_largest_part(mask));
   if (filled < 1.5 * sheet) {
     throw BadData("open surface around points: they enclose nothing; a bowl, a cap or a tube is needed");
   }

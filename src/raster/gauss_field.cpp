@@ -1,4 +1,4 @@
-#include "pellicle/raster/gauss_field.h"
+#include "pellicle/raster/internal/gauss_field.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -119,11 +119,11 @@ Image<float> gauss_field(const std::vector<Vec3>& points, double spacing, const 
     });
   };
   const auto coarse = [](const Index3& at) { return at[0] % 2 + at[1] % 2 + at[2] % 2 == 0; };
-  for_lines([&](const Index3& at, float& value, const auto& tell) {
-    if (coarse(at)) value = tell();
+  for_lines([&](const Index3& at, float& value, const auto& evaluate) {
+    if (coarse(at)) value = evaluate();
   });
-  // Where every second voxel around is clearly inside or outside, so is the voxel.
-  for_lines([&](const Index3& at, float& value, const auto& tell) {
+  // A voxel between clearly inside (or outside) voxels of the coarse grid is inside (or outside) too.
+  for_lines([&](const Index3& at, float& value, const auto& evaluate) {
     if (coarse(at)) return;
     float lo = 1.0F, hi = 0.0F;
     for (int corner = 0; corner < 8; ++corner) {
@@ -136,7 +136,7 @@ Image<float> gauss_field(const std::vector<Vec3>& points, double spacing, const 
       lo = std::min(lo, there);
       hi = std::max(hi, there);
     }
-    value = hi < kClear ? hi : lo > 1.0F - kClear ? lo : tell();
+    value = hi < kClear ? hi : lo > 1.0F - kClear ? lo : evaluate();
   });
   return field;
 }

@@ -1,4 +1,4 @@
-#include "pellicle/raster/index_mesh.h"
+#include "pellicle/raster/internal/index_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,6 +11,7 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/raster/rasterize.h"
+#include "pellicle/raster/voxel_box.h"
 
 namespace pellicle {
 
@@ -41,7 +42,7 @@ Disputes disputes_of(const std::vector<MaskPiece>& pieces, const Image<std::uint
                      const std::vector<std::uint16_t>& own) {
   Disputes disputes;
   std::unordered_map<std::size_t, std::size_t> places;
-  // Whoever does not see its own label in a voxel disputes it; the one whose label stands there is found afterwards.
+  // A surface that holds a voxel with another label disputes it; the owner of that label is added afterwards.
   for (std::size_t s = 0; s < pieces.size(); ++s) {
     for_each_inside(pieces[s], labels.grid, [&](std::size_t voxel) {
       if (labels.voxels[voxel] != own[s] && places.try_emplace(voxel, disputes.voxels.size()).second) {
@@ -70,28 +71,11 @@ Vec3 centre_of(const ImageGrid& grid, std::size_t voxel) {
 }  // namespace
 
 MaskPiece rasterize_piece(const TriangleMesh& surface, const ImageGrid& grid) {
+  const VoxelBox box = box_around(surface, grid, 0);
   MaskPiece piece;
-  piece.mask.grid = grid;
-  piece.mask.grid.size = {0, 0, 0};
-  if (surface.vertices.empty()) return piece;
-  Vec3 low = grid.index_from_world(surface.vertices.front()), high = low;
-  for (const Vec3& v : surface.vertices) {
-    const Vec3 index = grid.index_from_world(v);
-    low = low.cwiseMin(index);
-    high = high.cwiseMax(index);
-  }
-  Index3 size{};
-  for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
-    const double last = grid.size[axis] - 1;
-    if (!(low[a] <= last && high[a] >= 0.0)) return piece;
-    piece.first[axis] = static_cast<int>(std::clamp(std::floor(low[a]), 0.0, last));
-    size[axis] = static_cast<int>(std::clamp(std::ceil(high[a]), 0.0, last)) - piece.first[axis] + 1;
-  }
-  ImageGrid box = grid;
-  box.size = size;
-  box.origin_in_world = grid.world_from_index(Vec3(piece.first[0], piece.first[1], piece.first[2]));
-  piece.mask = rasterize_mask(surface, box);
+  piece.first = box.first;
+  piece.mask.grid = box.grid;
+  if (!box.empty()) piece.mask = rasterize_mask(surface, box.grid);
   for (const std::uint8_t v : piece.mask.voxels) piece.count += v;
   return piece;
 }

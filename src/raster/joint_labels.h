@@ -1,5 +1,5 @@
 #pragma once
-/// Several closed surfaces on one grid, every voxel given to one of them.
+/// Label maps of several closed surfaces: every voxel belongs to one of them.
 
 #include <cstddef>
 #include <vector>
@@ -17,7 +17,8 @@ struct MaskPiece {
 };
 MaskPiece rasterize_piece(const TriangleMesh& surface, const ImageGrid& grid);
 
-/// Voxels that both hold. \pre pieces of one grid.
+/// Number of voxels inside of both.
+/// \pre pieces of one grid.
 std::size_t shared_voxels(const MaskPiece& a, const MaskPiece& b);
 
 struct JointLabels {
@@ -27,8 +28,10 @@ struct JointLabels {
 };
 
 /// A voxel inside several surfaces goes to the one in which it is deepest for its size: least d / rbar, d the signed
-/// distance, rbar the radius of the ball of equal volume; among equals the first. Memory is the map and one mask a
-/// surface. \param labels one a surface, other than 0. \throws BadData for open surfaces.
+/// distance, rbar the radius of the ball of equal volume; among equals the first. Memory is the map and one mask per
+/// surface.
+/// \param labels one per surface, other than 0.
+/// \throws BadData for open surfaces.
 JointLabels label_together(const std::vector<const TriangleMesh*>& surfaces, const std::vector<std::uint16_t>& labels,
                            const ImageGrid& grid);
 

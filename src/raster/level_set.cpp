@@ -1,4 +1,4 @@
-#include "pellicle/raster/level_set.h"
+#include "pellicle/raster/internal/level_set.h"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>

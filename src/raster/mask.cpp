@@ -7,17 +7,17 @@
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/raster/index_mesh.h"
-#include "pellicle/raster/level_set.h"
+#include "pellicle/raster/internal/index_mesh.h"
+#include "pellicle/raster/internal/level_set.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
 
 namespace {
 
-// By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs waver, or
-// half a per cent where that is more (coarse facets, whose edges mislead it).
-constexpr double kLayer = 0.02, kShare = 0.005;
+// By how much the volumes may differ: the layer of 0.02 voxels about the surface in which OpenVDB's signs are unsure,
+// or half a per cent where that is more (coarse facets, whose edges mislead it).
+constexpr double kLayer = 0.02, kVolumeFraction = 0.005;
 
 struct Crossing {
   int row;     ///< j
@@ -116,7 +116,7 @@ MaskResult rasterize_mask_checked(const TriangleMesh& surface, const ImageGrid& 
   const LevelSet::Comparison c = LevelSet(nodes, 1.5, LevelSet::Wanted::signs).compare(out.mask);
   out.openvdb_volume_mm3 = volume(c.inside);
   out.corrected_voxels = c.differ;
-  const double limit = std::max(kLayer * area_of(nodes) * grid.voxel_volume(), kShare * out.exact_volume_mm3);
+  const double limit = std::max(kLayer * area_of(nodes) * grid.voxel_volume(), kVolumeFraction * out.exact_volume_mm3);
   out.from_openvdb = std::abs(*out.openvdb_volume_mm3 - out.exact_volume_mm3) <= limit;
   return out;
 }

@@ -1,6 +1,6 @@
 // Marching cubes (Lorensen and Cline 1987) without a table: in each cell the loops of the surface are followed along
 // the faces. On a face with two diagonal corners inside, these are kept apart, always: neighbouring cells agree, so the
-// surface is closed, and one vertex a grid edge makes it manifold.
+// surface is closed, and one vertex per grid edge makes it manifold.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "pellicle/base/parallel.h"
-#include "pellicle/raster/index_mesh.h"
+#include "pellicle/raster/internal/index_mesh.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -17,7 +17,7 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-// A convex piece of a facet: at most 3 corners and one more a cut.
+// A convex piece of a facet: at most 3 corners and one more per cut.
 struct Polygon {
   std::array<Point, 10> corner{};
   int size = 0;

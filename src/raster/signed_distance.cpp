@@ -10,7 +10,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/raster/level_set.h"
+#include "pellicle/raster/internal/level_set.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {

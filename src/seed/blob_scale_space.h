@@ -36,9 +36,10 @@ bool looks_dark(const Image<float>& image);
 /// \pre the image has contrast.
 BlobField blob_field(const Image<float>& image, bool dark);
 
-/// N at sigma = share * radius / sqrt 3, on voxels of about a fifth of the radius. \param noise set to the standard
+/// N at sigma = scale * radius / sqrt 3, on voxels of about a fifth of the radius.
+/// \param noise set to the standard
 /// deviation that white noise gives it, when not null.
-Image<float> blob_response(const BlobField& field, double radius, double share, double* noise = nullptr);
+Image<float> blob_response(const BlobField& field, double radius, double scale, double* noise = nullptr);
 
 /// Radii that are looked for, mm.
 struct RadiusRange {
@@ -46,7 +47,8 @@ struct RadiusRange {
 };
 
 /// The radius that most of the image's blobs have: mode of the scale-space maxima above six deviations of the noise,
-/// weighted by N^2 r^2 (more weight to size picks clusters, less picks noise). \param range looks only there; without
+/// weighted by N^2 r^2 (more weight to size picks clusters, less picks noise).
+/// \param range looks only there; without
 /// it between two voxels and 0.4 of the shortest edge. None when nothing rises above the noise.
 std::optional<double> estimate_radius(const BlobField& field, const std::optional<RadiusRange>& range);
 
@@ -58,8 +60,8 @@ struct BlobSeed {
 /// How readily two maxima near each other count as two objects.
 struct SeedRules {
   double deviations = 6.0;  ///< N above so many deviations of its noise
-  double relative = 0.2;    ///< N above this share of that of typical strong blobs
-  double valley = 0.9;      ///< one object when N between them stays above this share of the weaker
+  double relative = 0.2;    ///< N above this fraction of that of typical strong blobs
+  double valley = 0.9;      ///< one object when N between them stays above this fraction of the weaker
 };
 
 /// Strongest first. Of two maxima closer than two radii the weaker is dropped when they are closer than half a radius

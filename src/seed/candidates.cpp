@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "pellicle/image/resample.h"
-#include "pellicle/seed/components.h"
+#include "pellicle/mask/components.h"
 #include "pellicle/seed/seed.h"
 #include "pellicle/seed/threshold.h"
 
@@ -23,9 +23,9 @@ std::vector<SeedSphere> find_candidates(const Image<float>& image) {
       mask.voxels[i] = (coarse.voxels[i] > threshold) == bright ? 1 : 0;
     int taken = 0;
     for (const Component& part : components_of(mask).parts) {
-      const double share = static_cast<double>(part.voxels) / total;
-      if (share > 0.6) continue;
-      if (share < 1e-3 || taken == 2) break;
+      const double fraction = static_cast<double>(part.voxels) / total;
+      if (fraction > 0.6) continue;
+      if (fraction < 1e-3 || taken == 2) break;
       seeds.push_back({part.deepest, part.depth});
       ++taken;
     }

@@ -15,10 +15,6 @@ namespace {
 
 constexpr int kSmoothings = 6;
 
-std::size_t idx(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Quads of one mesh, of which some are kept.
 class Part {
  public:
@@ -31,7 +27,7 @@ class Part {
     }
   }
 
-  /// Sets of kept (or of left) quads that hang together by edges.
+  /// Sets of kept (or of left out) quads that are joined by edges.
   std::vector<std::vector<int>> parts(bool of_kept) const {
     std::vector<bool> seen(kept_.size(), false);
     std::vector<std::vector<int>> result;
@@ -130,7 +126,7 @@ class Part {
   }
   bool is_kept(int quad) const { return quad >= 0 && kept_[idx(quad)]; }
 
-  // Kept quads around a vertex that hang together by its edges, the smallest set first.
+  // Kept quads around a vertex that are joined by its edges, the smallest set first.
   std::vector<std::vector<int>> fans_at(int vertex, const std::vector<int>& quads) const {
     std::vector<std::vector<int>> fans;
     std::vector<int> left;
@@ -172,7 +168,7 @@ class Part {
   std::map<int, std::vector<int>> around_;      ///< quads at a vertex
 };
 
-// The quads that lie along the points. What is nearer to a lid is none of them.
+// The quads that lie along the points; quads that are nearer to a lid do not.
 QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, const std::vector<Vec3>& lids, double reach) {
   constexpr double kAlong = 0.7;  // cosine between the quad's normal and the plane's
   const QuadMesh smooth{smoothed_vertices(closed, kSmoothings), closed.quads};
@@ -199,19 +195,19 @@ QuadMesh part_along(const QuadMesh& closed, const OpenPoints& points, const std:
   return open;
 }
 
-// Even shares of a closed curve that go round once as the loop does; none when it does not.
-std::vector<double> even_shares(const std::vector<double>& nearest) {
+// Parameters in equal steps that go round a closed curve once as the loop does; none when the loop does not.
+std::vector<double> even_parameters(const std::vector<double>& nearest) {
   const auto n = static_cast<double>(nearest.size());
-  std::vector<double> share{nearest.front()};
+  std::vector<double> along{nearest.front()};
   for (std::size_t i = 1; i < nearest.size(); ++i) {
-    share.push_back(share.back() + std::remainder(nearest[i] - nearest[i - 1], 1.0));
+    along.push_back(along.back() + std::remainder(nearest[i] - nearest[i - 1], 1.0));
   }
-  const double round = std::round(share.back() + std::remainder(nearest.front() - nearest.back(), 1.0) - share.front());
+  const double round = std::round(along.back() + std::remainder(nearest.front() - nearest.back(), 1.0) - along.front());
   if (std::abs(round) != 1.0) return {};
   double first = 0.0;
-  for (std::size_t i = 0; i < share.size(); ++i) first += (share[i] - round * static_cast<double>(i) / n) / n;
-  for (std::size_t i = 0; i < share.size(); ++i) share[i] = first + round * static_cast<double>(i) / n;
-  return share;
+  for (std::size_t i = 0; i < along.size(); ++i) first += (along[i] - round * static_cast<double>(i) / n) / n;
+  for (std::size_t i = 0; i < along.size(); ++i) along[i] = first + round * static_cast<double>(i) / n;
+  return along;
 }
 
 void lay_borders(const std::vector<RimCurve>& rims, QuadMesh& mesh) {
@@ -224,10 +220,10 @@ void lay_borders(const std::vector<RimCurve>& rims, QuadMesh& mesh) {
     std::vector<double> nearest;
     nearest.reserve(loop.size());
     for (const int v : loop) nearest.push_back(own.nearest(mesh.vertices[idx(v)]).along);
-    const std::vector<double> shares = even_shares(nearest);
-    for (std::size_t i = 0; i < shares.size(); ++i) {
+    const std::vector<double> along = even_parameters(nearest);
+    for (std::size_t i = 0; i < along.size(); ++i) {
       const std::vector<Vec3>& x = rims[c].x;
-      const double at = (shares[i] - std::floor(shares[i])) * static_cast<double>(x.size());
+      const double at = (along[i] - std::floor(along[i])) * static_cast<double>(x.size());
       const std::size_t k = std::min(static_cast<std::size_t>(at), x.size() - 1);
       const double t = at - static_cast<double>(k);
       mesh.vertices[idx(loop[i])] = (1.0 - t) * x[k] + t * x[(k + 1) % x.size()];

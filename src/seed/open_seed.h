@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "pellicle/image/image.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/mesh/quad_mesh.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/point_tree.h"
+#include "pellicle/mesh/points/rim.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 #include "pellicle/surface/quad/catmull_clark_model.h"
 
 namespace pellicle {
@@ -17,22 +17,23 @@ struct OpenPoints {
   std::vector<Vec3> plane_normals;
 };
 
-/// The quads of a closed mesh (smoothed) whose centres are within `reach` of a point and lie along its plane: lids over
-/// mouths do not. Holes of fewer than four quads stay filled; the largest part is kept, without quads that hang by one
-/// edge and vertices that join two fans; a strip of quads is sewn around it, so that every border vertex has two quads
-/// and the border of the limit is a smooth curve. \throws BadData when nothing of the mesh is near the points.
+/// The part of a closed mesh (smoothed) that lies along the points: quads whose centres are within `reach` of a point
+/// and that are parallel to its plane. Holes of fewer than four quads stay filled. The largest part is kept, without
+/// quads that hang by one edge and vertices that join two fans. A strip of quads is added around it, so that every
+/// border vertex has two quads and the border of the limit surface is a smooth curve.
+/// \throws BadData when nothing of the mesh is near the points.
 QuadMesh open_part(const QuadMesh& closed, const OpenPoints& points, double reach);
 
-/// The smooth curves along the rims of the points, one a border of open_part: of five grids over the body (each finer
-/// by a root of two) the one whose curves and rim points lie nearest to each other. Empty: the points end nowhere.
+/// Smooth curves along the rims of the points, one per border of open_part. Five grids over the body are tried, each
+/// finer by a root of two; the curves that lie nearest to the rim points are taken. Empty when there is no rim.
 /// \param body the points filled up to their mouths (raster/cup.h).
 std::vector<RimCurve> rims_of(const Image<std::uint8_t>& body, const OpenPoints& points);
 
-/// Points that close the mouths: on lines from the rims to their middles, `spacing` mm apart and from the rims.
+/// Points that close the openings: on lines from the rims to their middles, `spacing` mm apart and from the rims.
 std::vector<Vec3> lids_of(const std::vector<RimCurve>& rims, double spacing);
 
-/// The same part without what is nearer to the lids, its borders laid on the rims, evenly; the vertices between are
-/// spread along the points. Steps as of voxels leave no trace.
+/// The same part without what is nearer to the points of lids_of. Its border vertices lie on the rims at equal
+/// distances; the vertices between are spread along the points, so that steps of voxels vanish.
 QuadMesh open_part_within(const QuadMesh& closed, const OpenPoints& points, const std::vector<RimCurve>& rims,
                           double reach);
 

@@ -6,8 +6,9 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/mesh/point_tree.h"
-#include "pellicle/seed/components.h"
+#include "pellicle/mask/components.h"
+#include "pellicle/mask/parts.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 
@@ -117,8 +118,7 @@ Image<std::uint8_t> mask_of_points(const std::vector<Vec3>& points) {
   if (!(most > 0.0)) throw BadData("points (outline): they enclose no volume; give points all around the object");
   const auto at = std::find_if(volumes.begin(), volumes.end(), [&](double v) { return v >= 0.6 * most; });
   Image<std::uint8_t>& mask = solids[static_cast<std::size_t>(at - volumes.begin())];
-  const Components parts = components_of(mask);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = parts.labels.voxels[i] == 1 ? 1 : 0;
+  keep_largest_part(mask);
   return mask;
 }
 

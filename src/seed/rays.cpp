@@ -128,7 +128,7 @@ RayReading read_one(const Profiles& rays, const std::vector<Vec3>& directions, c
   reading.inside = median_of(inside);
   reading.outside = median_of(outside);
   reading.median_radius = median_of(found);
-  // A ray without an edge, or far off its neighbours, takes their median (7 nearest directions).
+  // A ray without an edge, or with one far from those of its neighbours, takes their median (7 nearest directions).
   std::vector<double> clean(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<std::pair<double, std::size_t>> near;
@@ -141,12 +141,12 @@ RayReading read_one(const Profiles& rays, const std::vector<Vec3>& directions, c
                           2.0 * reading.median_radius);
   }
   outline(directions, clean, seed.center, reading);
-  const double share = static_cast<double>(found.size()) / static_cast<double>(n);
+  const double seen = static_cast<double>(found.size()) / static_cast<double>(n);
   const double mean = sum(clean) / static_cast<double>(n);
   double variance = 0.0;
   for (const double r : clean) variance += (r - mean) * (r - mean) / static_cast<double>(n);
   const double mismatch = (ridge ? reading.outside - core : reading.inside - core) / (reading.inside - reading.outside);
-  reading.score = share * median_of(gradient) / (1.0 + 4.0 * mismatch * mismatch) / (1.0 + std::sqrt(variance) / mean);
+  reading.score = seen * median_of(gradient) / (1.0 + 4.0 * mismatch * mismatch) / (1.0 + std::sqrt(variance) / mean);
   return reading;
 }
 
@@ -163,8 +163,8 @@ std::vector<RayReading> read_rays(const Image<float>& smoothed, const SeedSphere
           read_one(rays, directions, seed, core, 1.0, true)};
 }
 
-CoreStatistics core_statistics(const Image<float>& image, const SeedSphere& seed, double share) {
-  const double radius = std::max(share * seed.radius, 1.6 * image.grid.mean_spacing());
+CoreStatistics core_statistics(const Image<float>& image, const SeedSphere& seed, double fraction) {
+  const double radius = std::max(fraction * seed.radius, 1.6 * image.grid.mean_spacing());
   std::vector<double> values;
   const Vec3 centre = image.grid.index_from_world(seed.center);
   Index3 lo{}, hi{};

@@ -18,15 +18,16 @@ struct RayReading {
 };
 
 /// 256 rays from the seed's centre, image smoothed by one voxel across and along the ray. Readings for a bright object,
-/// a dark one and a membrane, in this order; those without an edge in a quarter of the directions have score 0. \param
-/// h length scale of the edges looked for, mm (cube root of the voxel volume).
+/// a dark one and a membrane, in this order; those without an edge in a quarter of the directions have score 0.
+/// \param h length scale of the edges looked for, mm (cube root of the voxel volume).
 std::vector<RayReading> read_rays(const Image<float>& smoothed, const SeedSphere& seed, double h);
 
-/// Robust level and spread of the image in the core of a seed: the ball of max(share R, 1.6 h) about its centre.
+/// Robust level and spread of the image in the core of a seed: the ball of radius max(fraction R, 1.6 h) about its
+/// centre.
 struct CoreStatistics {
   double median = 0.0, deviation = 0.0;
   int voxels = 0;
 };
-CoreStatistics core_statistics(const Image<float>& image, const SeedSphere& seed, double share);
+CoreStatistics core_statistics(const Image<float>& image, const SeedSphere& seed, double fraction);
 
 }  // namespace pellicle

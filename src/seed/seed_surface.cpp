@@ -1,13 +1,13 @@
 #include "pellicle/seed/seed_surface.h"
 
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/quad_subdivision.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
 
 namespace pellicle {
 namespace {
 
 constexpr int kSweeps = 6;
-/// Smooth enough for a shape at rest: bending measured against steps of voxels would keep them.
+/// Sweeps for the reference shape: with steps of voxels in it, the bending energy would keep these steps.
 constexpr int kReferenceSweeps = 12;
 
 Parameters control_points(const PointRows& limit, const QuadMesh& mesh, int sweeps) {

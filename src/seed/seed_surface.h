@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -14,10 +14,12 @@ namespace pellicle {
 std::vector<Vec3> smoothed_vertices(const QuadMesh& mesh, int sweeps);
 
 /// Control points whose surface passes near the targets: c += target - (surface at each vertex), 20 times.
-/// Approximating surfaces shrink otherwise. \param limit the surface at each control vertex.
+/// Approximating surfaces shrink otherwise.
+/// \param limit the surface at each control vertex.
 std::vector<Vec3> compensated(const PointRows& limit, const std::vector<Vec3>& target);
 
-/// The smoothed mesh as a surface; reference shape: the same, smoothed more. \throws BadData for a faulty mesh.
+/// The smoothed mesh as a surface; reference shape: the same, smoothed more.
+/// \throws BadData for a faulty mesh.
 std::pair<CatmullClarkModel, Parameters> catmull_clark_seed(const QuadMesh& mesh);
 std::pair<SlimeModel, Parameters> slime_seed(const QuadMesh& mesh);
 /// Points and normals are those of the Catmull-Clark surface at its control vertices; each quad is split along the

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kLevels = 65536;
 
-/// First in, first out within each of many levels; the highest level that holds something comes first.
+/// A queue: the highest level comes first, within a level first in, first out.
 class LevelQueue {
  public:
   explicit LevelQueue(std::size_t voxels) : next_(voxels, -1), head_(kLevels, -1), tail_(kLevels, -1) {}

@@ -1,11 +1,11 @@
 // The boundary of voxels made a manifold, and its faces.
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <unordered_map>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/seed/components.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/seed/voxel_seed.h"
 
 namespace pellicle {
@@ -25,64 +25,6 @@ void for_each_voxel(const Index3& size, const Visit& visit) {
       for (int i = 0; i < size[0]; ++i) visit(i, j, k);
     }
   }
-}
-
-/// The voxels inside with one layer of outside around them.
-Image<std::uint8_t> cropped(const Image<std::uint8_t>& voxels) {
-  Index3 lo, hi{-1, -1, -1};
-  lo.fill(std::numeric_limits<int>::max());
-  for_each_voxel(voxels.grid.size, [&](int i, int j, int k) {
-    if (voxels.at(i, j, k) == 0) return;
-    const Index3 v{i, j, k};
-    for (std::size_t a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], v[a]);
-      hi[a] = std::max(hi[a], v[a]);
-    }
-  });
-  if (hi[0] < 0) throw BadData("voxel seed (all): no voxel is inside");
-  ImageGrid grid = voxels.grid;
-  grid.origin_in_world = voxels.grid.world_from_index(Vec3(lo[0] - 1, lo[1] - 1, lo[2] - 1));
-  for (std::size_t a = 0; a < 3; ++a) grid.size[a] = hi[a] - lo[a] + 3;
-  Image<std::uint8_t> result(grid);
-  for_each_voxel(grid.size, [&](int i, int j, int k) {
-    result.at(i, j, k) = at_or_empty(voxels, i + lo[0] - 1, j + lo[1] - 1, k + lo[2] - 1) ? 1 : 0;
-  });
-  return result;
-}
-
-/// Voxels joined by faces to `seed` among those of the same value.
-template <class Visit>
-void flood(const Image<std::uint8_t>& voxels, const Index3& seed, std::vector<std::uint8_t>& seen, const Visit& visit) {
-  std::vector<Index3> stack{seed};
-  const std::uint8_t value = voxels.at(seed[0], seed[1], seed[2]);
-  seen[voxels.grid.offset(seed[0], seed[1], seed[2])] = 1;
-  const Index3& n = voxels.grid.size;
-  while (!stack.empty()) {
-    const Index3 v = stack.back();
-    stack.pop_back();
-    visit(v);
-    for (const Index3& d : kFaces) {
-      const Index3 w{v[0] + d[0], v[1] + d[1], v[2] + d[2]};
-      if (w[0] < 0 || w[1] < 0 || w[2] < 0 || w[0] >= n[0] || w[1] >= n[1] || w[2] >= n[2]) continue;
-      const std::size_t at = voxels.grid.offset(w[0], w[1], w[2]);
-      if (seen[at] != 0 || voxels.voxels[at] != value) continue;
-      seen[at] = 1;
-      stack.push_back(w);
-    }
-  }
-}
-
-/// \pre padded: the outside hangs together along the border. Returns how many voxels of the outside were filled.
-std::size_t fill_cavities(Image<std::uint8_t>& voxels) {
-  std::vector<std::uint8_t> seen(voxels.voxels.size(), 0);
-  flood(voxels, {0, 0, 0}, seen, [](const Index3&) {});
-  std::size_t filled = 0;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] != 0 || voxels.voxels[i] != 0) continue;
-    voxels.voxels[i] = 1;
-    ++filled;
-  }
-  return filled;
 }
 
 unsigned pattern_at(const Image<std::uint8_t>& voxels, int i, int j, int k) {
@@ -169,14 +111,15 @@ std::size_t make_manifold(Image<std::uint8_t>& voxels) {
     const VoxelBlock::Kind kind = classify_block(p).kind;
     critical[p] = kind == VoxelBlock::Kind::edge_fault || kind == VoxelBlock::Kind::vertex_fault;
   }
-  voxels = cropped(voxels);
+  voxels = cropped(voxels, 1);
+  if (voxels.voxels.empty()) throw BadData("voxel seed (all): no voxel is inside");
   keep_largest_part(voxels);
   std::size_t filled = 0;
   for (std::size_t now = 1; now > 0; filled += now) {  // a repaired neck may close a cavity off
     now = fill_cavities(voxels);
     for (std::size_t pass = 1; pass > 0; now += pass) pass = repair_pass(voxels, critical);
   }
-  voxels = cropped(voxels);
+  voxels = cropped(voxels, 1);
   return filled;
 }
 

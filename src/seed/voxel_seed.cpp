@@ -8,8 +8,9 @@
 #include <limits>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/image/limb_growth.h"
-#include "pellicle/seed/components.h"
+#include "pellicle/mask/limb_growth.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
 
 namespace pellicle {
 namespace {
@@ -53,30 +54,6 @@ Box box_of(const Image<std::uint8_t>& mask) {
   return box;
 }
 
-/// A voxel of the result is `inside_when(inside neighbours, neighbours)`, itself counted.
-template <class Rule>
-Image<std::uint8_t> morphed(const Image<std::uint8_t>& voxels, bool diagonals, const Rule& rule) {
-  Image<std::uint8_t> result(voxels.grid);
-  const Index3& n = voxels.grid.size;
-  for (int k = 0; k < n[2]; ++k) {
-    for (int j = 0; j < n[1]; ++j) {
-      for (int i = 0; i < n[0]; ++i) {
-        int inside = 0, all = 0;
-        for (int c = 0; c < 27; ++c) {
-          const int dx = c % 3 - 1, dy = c / 3 % 3 - 1, dz = c / 9 - 1;
-          if (!diagonals && std::abs(dx) + std::abs(dy) + std::abs(dz) > 1) continue;
-          ++all;
-          const int x = i + dx, y = j + dy, z = k + dz;
-          const bool in_grid = x >= 0 && y >= 0 && z >= 0 && x < n[0] && y < n[1] && z < n[2];
-          inside += in_grid && voxels.at(x, y, z) != 0 ? 1 : 0;
-        }
-        result.at(i, j, k) = rule(inside, all) ? 1 : 0;
-      }
-    }
-  }
-  return result;
-}
-
 /// More voxels than any seed needs: a spacing that does not fit the size.
 constexpr double kMostVoxels = 1e8;
 
@@ -117,12 +94,12 @@ Image<std::uint8_t> voxels_of_points(const std::vector<Vec3>& points, double spa
     const Vec3 at = ((x - box.lo) / spacing_mm).array().floor();
     marked.at(static_cast<int>(at.x()) + kPad, static_cast<int>(at.y()) + kPad, static_cast<int>(at.z()) + kPad) = 1;
   }
-  const Image<std::uint8_t> wide = morphed(marked, true, [](int inside, int) { return inside > 0; });
-  return morphed(wide, false, [](int inside, int all) { return inside == all; });
+  grow(marked, 1);
+  return shrunk_by_faces(marked);
 }
 
-Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double share, Limbs limbs) {
-  constexpr double kHeld = 0.2;  // of an octant
+Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spacing_mm, double fraction, Limbs limbs) {
+  constexpr double kHeld = 0.2;  // fraction of an octant that makes it part of the object
   check_spacing(spacing_mm);
   const Box box = box_of(mask);
   const Vec3 step = mask.grid.spacing.cwiseInverse() * spacing_mm;  // in the mask's voxels
@@ -163,7 +140,7 @@ Image<std::uint8_t> voxels_of_mask(const Image<std::uint8_t>& mask, double spaci
         for (unsigned o = 0; o < 8; ++o) {
           if (in_octant[o] >= kHeld * all / 8) octants.at(i, j, k) |= static_cast<std::uint8_t>(1U << o);
         }
-        voxels.at(i, j, k) = inside > 0 && inside >= share * all ? 1 : 0;
+        voxels.at(i, j, k) = inside > 0 && inside >= fraction * all ? 1 : 0;
       }
     }
   }
@@ -183,15 +160,15 @@ VoxelSeed voxel_seed_of_voxels(Image<std::uint8_t> voxels) {
   return seed;
 }
 
-VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double share) {
-  if (spacing_mm) return voxel_seed_of_voxels(voxels_of_mask(mask, *spacing_mm, share));
+VoxelSeed voxel_seed_of_mask(const Image<std::uint8_t>& mask, std::optional<double> spacing_mm, double fraction) {
+  if (spacing_mm) return voxel_seed_of_voxels(voxels_of_mask(mask, *spacing_mm, fraction));
   const double coarsest = coarsest_spacing(mask);
   constexpr int kMost = 7;  // grids: down to a twenty-fourth of the smallest edge
   std::vector<VoxelSeed> seeds;
   for (int step = 0; step < kMost; ++step) {
     const double spacing = coarsest * std::pow(0.5, 0.5 * step);
     if (!seeds.empty() && spacing < mask.grid.spacing.maxCoeff()) break;
-    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, share);
+    Image<std::uint8_t> voxels = voxels_of_mask(mask, spacing, fraction);
     const bool empty = std::all_of(voxels.voxels.begin(), voxels.voxels.end(), [](std::uint8_t v) { return v == 0; });
     if (!empty) seeds.push_back(voxel_seed_of_voxels(std::move(voxels)));
   }

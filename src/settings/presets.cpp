@@ -7,7 +7,6 @@
 #include <map>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/settings/settings_toml.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -50,7 +49,7 @@ fs::path find_preset(const std::string& name_or_path) {
   if (name_or_path.ends_with(".toml")) {
     if (!fs::is_regular_file(name_or_path)) {
       throw NoInput(
-          fmt::format("no such file (--preset {}): there is no preset file here; see --preset list", name_or_path));
+          fmt::format("no such file (`preset` {}): there is no preset file here; see `preset` list", name_or_path));
     }
     return name_or_path;
   }
@@ -59,8 +58,8 @@ fs::path find_preset(const std::string& name_or_path) {
     if (preset.name == name_or_path) return preset.path;
     known += (known.empty() ? "" : ", ") + preset.name;
   }
-  throw UsageError(fmt::format("unknown preset (--preset {}): known are {}; or give a path to a .toml file",
-                               name_or_path, known.empty() ? "none" : known));
+  throw SettingError("unknown preset", "preset", name_or_path,
+                     fmt::format("known are {}; or give a path to a .toml file", known.empty() ? "none" : known));
 }
 
 }  // namespace pellicle

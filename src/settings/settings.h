@@ -1,17 +1,18 @@
 #pragma once
-/// Everything that `pellicle segment` can be told, and the one table that spells it: a setting is a flag of the
-/// command line, a key of a TOML file and a key of the report under the same name.
+/// Settings of `pellicle segment`: from one volume to masks, meshes, models and a report.
 
 #include <array>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/settings.h"
+#include "pellicle/fit/options.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/seed/blob_scale_space.h"
+#include "pellicle/settings/setting_table.h"
+#include "pellicle/settings/setting_words.h"
 
 namespace pellicle {
 
@@ -36,22 +37,21 @@ struct SegmentSettings {
   double valley = 0.9;                ///< of many objects: SeedRules::valley
   Coords coords = Coords::lps;
   std::optional<Vec3> spacing;                  ///< mm, instead of the file's
-  std::string preset;                           ///< as named by the user; its values are already in the rest
+  std::string preset;                           ///< its name or file; its values are already in the other fields
   std::optional<std::filesystem::path> points;  ///< expert points, in `coords`
   PointsPull points_pull = PointsPull::normal;
   std::optional<std::filesystem::path> trace;  ///< folder for the meshes on the way
   int trace_every = 3;                         ///< steps
-  FitSettings fit;
+  FitOptions fit;
   std::optional<ModelKind> model;  ///< as named by the user; default: see model_kind()
   std::vector<std::string> write{"mask", "mesh", "model", "report"};
   MeshFormat mesh_format = MeshFormat::ply;
   std::optional<int> mesh_density;  ///< 2^N facets along a control edge; default: half the mean spacing
   std::optional<std::filesystem::path> output_mask, output_mesh;  ///< these files, wherever; `output` may be empty then
   int threads = 0;                                                ///< 0: all
-  bool overwrite = false, dry_run = false;
-  bool quiet = false, log_json = false, no_progress = false, verbose = false, progress_xml = false;
+  bool overwrite = false;
 
-  /// Whether the output folder gets this kind; false for all when there is no folder.
+  /// Whether this kind of output is written to the output folder; none is when there is no folder.
   bool writes(const std::string& kind) const;
   /// `seed_spheres`, then `seed_points`.
   std::vector<std::array<double, 4>> all_seed_spheres() const;
@@ -59,68 +59,42 @@ struct SegmentSettings {
   ModelKind model_kind() const;
   /// Whether several objects are asked for, so that a label map is written however many there are.
   bool wants_many() const { return objects == Objects::many; }
-  /// \throws UsageError naming the flag, its value and the rule. Does not look at any file.
+  /// \throws SettingError with the key, its value and the rule. Does not look at any file.
   void validate() const;
   /// The same without the need for an input and an output.
   void validate_values() const;
 };
 
+/// The plan that runs, by the seeds that are given.
+FitPlan plan_of(const SegmentSettings& settings);
+
 /// The stem of the output files: `name`, or the input's file name without the extensions of volume files.
 std::string stem_of(const SegmentSettings& settings);
 
-/// Values as text: what stands after a flag, or the elements of a TOML array. Numbers read back to the same bits.
-using SettingValues = std::vector<std::string>;
+/// All settings in the order of the help. Stages are not among them: see settings_toml.h.
+const SettingTable<SegmentSettings>& segment_table();
 
-enum class SettingKind {
-  flag,     ///< true or false
-  number,   ///< one number
-  text,     ///< one word, path or name
-  words,    ///< list of words; on the command line separated by commas
-  vector,   ///< numbers; on the command line separated by commas
-  vectors,  ///< several of them; the flag is repeated
-  table,    ///< NAME=NUMBER; the flag is repeated; a TOML table
-};
-
-struct SettingKey {
-  std::string name;         ///< "seed-sphere": key of TOML and JSON; the flag is "--" + name
-  std::string short_flag;   ///< "-i" or empty
-  std::string group;        ///< heading in the help
-  std::string placeholder;  ///< "X,Y,Z,R"
-  std::string help;         ///< with unit and default
-  SettingKind kind = SettingKind::text;
-  bool whole = false;  ///< of a number: an integer
-  /// \param where is named in the error. \throws UsageError.
-  std::function<void(SegmentSettings&, const SettingValues&, const std::string& where)> set;
-  std::function<SettingValues(const SegmentSettings&)> get;  ///< empty: not set
-
-  /// The words that it takes, one of them, as the placeholder lists them; empty for any other setting.
-  std::vector<std::string> choices() const;
-};
-
-/// All settings in the order of the help. Stages are no flags: see settings_toml.h.
-const std::vector<SettingKey>& segment_keys();
-
-/// Words of the enumerations, as typed: "bright", "ridge", ...
-std::string name_of(Coords value);
-std::string name_of(Objects value);
-std::string name_of(PointsPull value);
-std::string name_of(Polarity value);
-std::string name_of(Boundary value);
-std::string name_of(StartRule value);
-std::string name_of(Solver value);
-std::string name_of(SubdivisionRule value);
-std::string name_of(StartSolid value);
-std::string name_of(ModelKind value);
-std::string name_of(MeshFormat value);
-
-/// The value that a word stands for. \throws UsageError listing the choices.
-template <class E>
-E value_of(const std::string& word, const std::string& where);
-
-/// One finite number. \throws UsageError.
-double number_of(const std::string& word, const std::string& where);
-int integer_of(const std::string& word, const std::string& where);
-/// "1,2,3" -> {"1", "2", "3"}.
-std::vector<std::string> split_commas(const std::string& text);
+template <>
+const Words<Coords>& words_of();
+template <>
+const Words<Objects>& words_of();
+template <>
+const Words<PointsPull>& words_of();
+template <>
+const Words<Polarity>& words_of();
+template <>
+const Words<Boundary>& words_of();
+template <>
+const Words<StartRule>& words_of();
+template <>
+const Words<Solver>& words_of();
+template <>
+const Words<SubdivisionRule>& words_of();
+template <>
+const Words<StartSolid>& words_of();
+template <>
+const Words<ModelKind>& words_of();
+template <>
+const Words<MeshFormat>& words_of();
 
 }  // namespace pellicle

@@ -1,4 +1,4 @@
-#include "pellicle/surface/control_fit.h"
+#include "pellicle/surface/internal/control_fit.h"
 
 #include <Eigen/Sparse>
 

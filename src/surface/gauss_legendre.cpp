@@ -1,4 +1,4 @@
-#include "pellicle/surface/gauss_legendre.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
 
 #include <cmath>
 #include <numbers>

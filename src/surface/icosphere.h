@@ -13,7 +13,8 @@ struct Icosphere {
   std::vector<std::array<int, 3>> triangles;  ///< outward
 };
 
-/// 20 * 4^level triangles. The vertices of a lower level come first, with the same bits. \param level 0 to 8.
+/// 20 * 4^level triangles. The vertices of a lower level come first, with the same bits.
+/// \param level 0 to 8.
 Icosphere icosphere(int level);
 
 }  // namespace pellicle

@@ -10,7 +10,7 @@
 namespace pellicle {
 
 /// Weights of every sample over the blocks of its patch: x = sum w_b c_b, and two tangents likewise whose cross product
-/// u x v points outward (their lengths mean nothing). Samples of a patch one after another, blocks.size() weights a
+/// u x v points outward (their lengths mean nothing). Samples of a patch one after another, blocks.size() weights per
 /// sample, from patch.jacobian_offset / 9 on.
 struct LinearStencils {
   std::vector<double> x, u, v;
@@ -19,7 +19,7 @@ struct LinearStencils {
 /// Appends a patch whose samples follow; sets jacobian_offset. The patch's stencils are appended by add_sample.
 void begin_patch(SampleLayout& layout, std::vector<int> blocks);
 /// Appends a sample of the last patch with its weights over that patch's blocks; returns its number.
-/// \pre x, u and v have one weight a block.
+/// \pre x, u and v have one weight per block.
 int add_sample(SampleLayout& layout, LinearStencils& stencils, const std::vector<double>& x,
                const std::vector<double>& u, const std::vector<double>& v);
 

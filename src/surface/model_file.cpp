@@ -9,7 +9,7 @@
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/model_json.h"
+#include "pellicle/surface/internal/model_json.h"
 
 namespace pellicle {
 namespace {

@@ -7,8 +7,9 @@
 
 namespace pellicle {
 
-/// Atomic. {"format": "pellicle-model", "version": 1, "model": "normal", "rule": ..., "frame": "LPS", "unit": "mm",
-/// "triangles": [[..]], "points": [[x,y,z]..], "normals": [..], "reference": {"points":, "normals":}}.
+/// The file appears whole or not at all: {"format": "pellicle-model", "version": 1, "model": "normal", "rule": ...,
+/// "frame": "LPS", "unit": "mm", "triangles": [[..]], "points": [[x,y,z]..], "normals": [..], "reference": {"points":,
+/// "normals":}}.
 /// \throws CannotCreate, IoError.
 void write_model(const std::filesystem::path& path, const Surface& surface);
 /// \throws NoInput, BadData naming the key and the rule it breaks.

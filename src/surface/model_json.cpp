@@ -1,4 +1,4 @@
-#include "pellicle/surface/model_json.h"
+#include "pellicle/surface/internal/model_json.h"
 
 #include <fmt/format.h>
 

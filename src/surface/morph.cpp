@@ -14,9 +14,9 @@
 namespace pellicle {
 namespace {
 
-/// sin(share * angle) / sin(angle), and its limit for a small angle.
-double arc_weight(double angle, double share) {
-  return angle < 1e-6 ? share : std::sin(share * angle) / std::sin(angle);
+/// sin(part * angle) / sin(angle), and its limit for a small angle.
+double arc_weight(double angle, double part) {
+  return angle < 1e-6 ? part : std::sin(part * angle) / std::sin(angle);
 }
 
 /// A unit vector orthogonal to the unit vector n, the same for n and -n.
@@ -117,7 +117,7 @@ bool enlarge(Surface& surface, const SplineSettings& least) {
 
 using Blocks = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// A shape less its mean, of size 1: a row a block. Only points move with a shape, vectors do not.
+/// A shape less its mean, of size 1: one row per block. Only points move with a shape, vectors do not.
 Blocks centred_blocks(const SurfaceModel& model, const Eigen::MatrixXd& gram, const Parameters& parameters, Vec3& mean,
                       double& size) {
   const std::vector<BlockKind> kinds = blocks_of(model);
@@ -197,7 +197,7 @@ Parameters on_sphere(const MorphPath& path, double tau) {
 }  // namespace
 
 MatchedSurfaces match_surfaces(const Surface& a, const Surface& b) {
-  if (!same_kind(a, b)) refuse(a, b, "choose two of one kind, fitted with the same --model and --rule");
+  if (!same_kind(a, b)) refuse(a, b, "choose two of one kind, fitted with the same `model` and `rule`");
   MatchedSurfaces result{a, b};
   if (const auto* spline = std::get_if<SplineModel>(&a.model)) {
     const SplineSettings of_a = spline->settings(), of_b = std::get<SplineModel>(b.model).settings();
@@ -211,8 +211,8 @@ MatchedSurfaces match_surfaces(const Surface& a, const Surface& b) {
   (points_a < points_b ? result.a_changed : result.b_changed) = points_a != points_b;
   if (!same_control_mesh(result.a, result.b)) {
     refuse(a, b,
-           "no refinement of one gives the control mesh of the other; fit both with the same --start, or one from the "
-           "other with --seed-model");
+           "no refinement of one gives the control mesh of the other; fit both with the same `start`, or one from the "
+           "other with `seed-model`");
   }
   return result;
 }
@@ -272,7 +272,7 @@ MorphPath morph_path(const MatchedSurfaces& surfaces, MorphSpace space) {
     throw BadData("no shape (A or B): its surface is a single point; choose another model");
   }
   if (space == MorphSpace::sphere && std::numbers::pi - m.angle < 1e-6) {
-    throw BadData("opposite shapes (A and B): no great circle is the shortest between them; use --space plane");
+    throw BadData("opposite shapes (A and B): no great circle is the shortest between them; use `space` plane");
   }
   return path;
 }

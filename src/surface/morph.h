@@ -54,7 +54,8 @@ struct MatchedSurfaces {
 };
 
 /// Brings both surfaces to one control mesh: splines to the larger M1 and M2, of the others the coarser one is refined
-/// until it has the other's. \throws UsageError when they are of different kinds, rules, generators or control meshes.
+/// until it has the other's.
+/// \throws UsageError when they are of different kinds, rules, generators or control meshes.
 MatchedSurfaces match_surfaces(const Surface& a, const Surface& b);
 
 /// Where the models have no reference shape, areas are those of the two shapes.

@@ -1,5 +1,5 @@
 #pragma once
-/// Sample points of a surface: all that an energy ever sees of it.
+/// Sample points of a surface: all that an energy sees of it.
 
 #include <array>
 #include <cstddef>
@@ -43,12 +43,22 @@ struct SampleLayout {
 struct SurfaceSamples {
   std::vector<Vec3> x;       ///< LPS mm
   std::vector<Vec3> normal;  ///< outward unit normals of the limit surface
-  /// dx/d(block parameters), row-major 3 x columns() a sample, samples of a patch one after another from
+  /// dx/d(block parameters), row-major 3 x columns() per sample, samples of a patch one after another from
   /// jacobian_offset. Ambient derivative: unit normals are treated as free 3-vectors. Empty unless asked for.
   std::vector<double> jacobian;
 };
 
+/// Where each sample of a layout is wanted.
+struct SampleTargets {
+  std::vector<Vec3> x;     ///< LPS mm, one per sample
+  std::vector<Vec3> area;  ///< outward area vectors of the mesh over x, one per sample; zero where it has none
+};
+
 /// The samples as a mesh with normals.
 TriangleMesh mesh_of(const SampleLayout& layout, const SurfaceSamples& samples);
+
+/// For each sample of a coarser layout of the same model, the sample of `layout` at its place on the reference shape.
+/// \return empty when the two do not have their samples in common, or there is no reference shape.
+std::vector<int> samples_of_coarser(const SampleLayout& layout, const SampleLayout& coarser);
 
 }  // namespace pellicle

@@ -102,6 +102,27 @@ Parameters on_ellipsoid(const SurfaceModel& model, const Vec3& centre, const Mat
   return affine_image(model, centre, std::visit([&](const auto& m) { return posed(m, shape); }, model));
 }
 
+void place_on(const SurfaceModel& model, const SampleLayout& layout, const SampleTargets& targets,
+              Parameters& parameters) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { m.place_on(layout, targets, parameters); }) m.place_on(layout, targets, parameters);
+      },
+      model);
+}
+
+double bending_scale(const SurfaceModel& model) {
+  return std::visit(
+      []<class Model>(const Model& /*any*/) {
+        if constexpr (requires { Model::kBendingScale; }) {
+          return Model::kBendingScale;
+        } else {
+          return 1.0;
+        }
+      },
+      model);
+}
+
 int refinements_of(const SurfaceModel& model) {
   return std::visit([](const auto& m) { return m.refinements(); }, model);
 }
@@ -116,6 +137,30 @@ int degrees_of_freedom(const SurfaceModel& model) {
 
 SampleLayout layout_of(const SurfaceModel& model, int level) {
   return std::visit([&](const auto& m) { return m.layout(level); }, model);
+}
+
+namespace {
+
+int variant_of(const NormalModel& model) {
+  return static_cast<int>(model.rule());
+}
+
+int variant_of(const SplineModel& model) {
+  return static_cast<int>(model.settings().generator);
+}
+
+template <class Model>
+int variant_of(const Model& /*of one kind*/) {
+  return 0;
+}
+
+}  // namespace
+
+LayoutKey layout_key(const SurfaceModel& model, int level) {
+  Parameters reference = std::visit([](const auto& m) { return m.reference(); }, model);
+  const Parameters somewhere = reference.empty() ? Parameters(3 * blocks_of(model).size()) : reference;
+  return {model.index(), std::visit([](const auto& m) { return variant_of(m); }, model), level,
+          control_mesh_of({model, somewhere}).triangles, std::move(reference)};
 }
 
 SampleLayout knot_layout_of(const SurfaceModel& model, int level) {
@@ -166,10 +211,6 @@ SlimeModel resting(const SlimeModel& model, const Parameters& shape) {
 Surface at_rest(const Surface& surface) {
   return {std::visit([&](const auto& m) -> SurfaceModel { return resting(m, surface.parameters); }, surface.model),
           surface.parameters};
-}
-
-TriangleMesh mesh_of(const SampleLayout& layout, const SurfaceSamples& samples) {
-  return {samples.x, layout.triangles, samples.normal};
 }
 
 TriangleMesh tessellate(const Surface& surface, int level) {

@@ -147,7 +147,7 @@ TEST(Series, WhatIsNoTimeIsRefusedInOneLine) {
   const std::string file = join_frames(scratch, {frame, frame}, 1.0F, 32).string();  // Hz: a spectrum
   const Outcome spectrum = run({"segment", "-i", file, "-o", scratch("out")}, scratch);
   EXPECT_EQ(spectrum.exit_code, 65);
-  EXPECT_THAT(spectrum.err, testing::HasSubstr("the fourth axis is no time (Hz)"));
+  EXPECT_THAT(spectrum.err, testing::HasSubstr("the fourth axis is not time (Hz)"));
   EXPECT_EQ(line_count(spectrum.err), 1);
   std::string bytes = read_text(file);
   bytes[40] = 5;

@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongFlags,
     testing::Values(
         WrongFlag{{}, 64, "see 'pellicle --help'"}, WrongFlag{{"--fast"}, 64, "see 'pellicle --help'"},
-        WrongFlag{{"melt"}, 64, "'melt' is no subcommand"}, WrongFlag{{"segment"}, 64, "-i"},
+        WrongFlag{{"melt"}, 64, "'melt' is not a subcommand"}, WrongFlag{{"segment"}, 64, "-i"},
         WrongFlag{{"segment", "-i", "{IN}"}, 64, "-o"},
         WrongFlag{{"segment", "-i", "{DIR}/absent.nii", "-o", "{OUT}"}, 66, "absent.nii"},
         WrongFlag{{"segment", "-i", "{IN}", "-o", "{DIR}/plain_file"}, 73, "plain_file"},

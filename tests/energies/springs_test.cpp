@@ -7,7 +7,7 @@
 
 #include "pellicle/energies/rim_springs.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 #include "test_surfaces.h"
 
 namespace pellicle {

@@ -107,7 +107,7 @@ TEST(Floor, a_row_of_ones_own_takes_part_in_a_stage) {
                                      .origin_in_world = Vec3::Constant(-19.5),
                                      .direction = Mat3::Identity()});
   const SurfaceModel model = start_model({});
-  const FitSettings settings;
+  const ExpertPoints no_points;
   GeometryCache geometry;
   const Observer nobody;
   const Stage stage{.name = "dish",
@@ -124,7 +124,7 @@ TEST(Floor, a_row_of_ones_own_takes_part_in_a_stage) {
     return z;
   };
   EXPECT_LT(lowest(), -3.0);
-  const StageOutcome outcome = run_stage({image, settings, geometry, nobody}, {stage}, ball);
+  const StageOutcome outcome = run_stage({image, no_points, geometry, nobody}, {stage}, ball);
   EXPECT_EQ(ball.status, FitStatus::ok) << ball.reason;
   EXPECT_GT(lowest(), -0.3);
   ASSERT_TRUE(outcome.summary.energy_after.contains("floor"));

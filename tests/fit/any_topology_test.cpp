@@ -20,7 +20,7 @@ TEST_P(QuadModelFit, FindsAnEllipsoidFromABall) {
   PhantomSettings s = small_phantom("ellipsoid");
   s.radius = {14, 11, 9};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = GetParam();
   const FitResult result = fit_ball_seed(phantom.image, Vec3(1, -1, 1), 5.0, settings);
   EXPECT_EQ(result.summary.status, FitStatus::ok) << result.summary.reason;
@@ -79,10 +79,10 @@ TEST(MaskAsSeed, IsKeptWhereTheImageLeadsItNowhere) {
   Phantom phantom = make_phantom(s);
   RandomEngine random(11);
   for (float& v : phantom.image.voxels) v = static_cast<float>(50.0 + 10.0 * random.normal());
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = ModelKind::slime;
   const Surface start = surface_from_mask(phantom.truth, settings.model, 2);
-  const FitResult result = fit_surface(phantom.image, {Seed(start)}, settings);
+  const FitResult result = fit_surface({phantom.image, {Seed(start)}}, settings);
   EXPECT_NE(result.summary.status, FitStatus::ok);
   EXPECT_GE(dice(result.surface, phantom.truth), 0.93) << result.summary.reason;
 }

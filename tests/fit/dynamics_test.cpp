@@ -38,8 +38,8 @@ struct Lump {
       targets.weight[i] = 1.0 + 0.5 * u.x();
     }
     operators.push_back(grouped_operator("bending", 1e-3, bending_rows(layout), layout));
-    rows.push_back({"edge", offset_rows(samples, targets, 1.0)});
-    rows.push_back({"spacing", spacing_rows(samples, 0.1)});
+    rows.push_back({energy::edge, offset_rows(samples, targets, 1.0)});
+    rows.push_back({energy::spacing, spacing_rows(samples, 0.1)});
   }
   Lump(const Lump&) = delete;
   static Surface start(ModelKind kind) {
@@ -181,7 +181,7 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   s.size = {32, 32, 32};
   s.radius = {9, 7.5, 6};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings =
+  FitOptions settings =
       one_stage({.name = "region",
                  .detail = 1,
                  .energies = {{energy::region, 1.0}, {energy::bending, 1e-3}, {energy::spacing, 0.05}},
@@ -195,13 +195,13 @@ TEST_P(DynamicFit, EndsWhereTheStaticFitEnds) {
   settings.solver = Solver::dynamic;
   settings.time_step = 0.5;
   const FitResult moving = fit_ball_seed(phantom.image, Vec3(1, -1, 1), 5.0, settings);
-  EXPECT_EQ(moving.summary.stages.front().reason(), "converged");
+  EXPECT_EQ(moving.summary.stages.front().termination, Termination::converged);
   EXPECT_GT(moving.summary.stages.front().steps, still.summary.stages.front().steps);
   EXPECT_LE(assd(moving.surface, tessellate(still.surface, 4)), 0.05);
 }
 
 TEST(DynamicFit, RefusesAMotionThatNothingHoldsBackAndOneThatIsNotAskedFor) {
-  FitSettings settings;
+  FitOptions settings;
   settings.mass = 1.0;
   EXPECT_THROW(settings.validate(), UsageError);
   settings.solver = Solver::dynamic;
@@ -218,7 +218,7 @@ TEST(DynamicFit, RefinesUntilTheErrorTargetIsMetAndNoFurther) {
   s.size = {40, 32, 32};
   s.radius = {7.0};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings;
+  FitOptions settings;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
   settings.similarity = false;

@@ -44,20 +44,20 @@ Phantom half_hidden() {
 
 TEST(ExpertPoints, ShowTheEdgeThatTheImageDoesNot) {
   const Phantom phantom = half_hidden();
-  FitSettings settings;
+  FitOptions settings;
   settings.polarity = Polarity::bright;
   settings.boundary = Boundary::step;
   settings.similarity = false;
   settings.detail = 2;
-  settings.points = points_on(phantom.truth_surface, 60);
-  const FitResult with = fit_ball_seed(phantom.image, Vec3(-2, 0, 0), 5.0, settings);
+  const Seed ball = SeedSphere{Vec3(-2, 0, 0), 5.0};
+  const ExpertPoints points = points_on(phantom.truth_surface, 60);
+  const FitResult with = fit_surface({phantom.image, {ball}, points}, settings);
   EXPECT_GE(dice(with.surface, phantom.truth), 0.97);
   ASSERT_TRUE(with.summary.points.has_value());
   EXPECT_EQ(with.summary.points->count, 60U);
   EXPECT_LE(with.summary.points->rms_mm, 0.5);
   EXPECT_GE(with.summary.points->max_mm, with.summary.points->rms_mm);
-  settings.points = {};
-  const FitResult without = fit_ball_seed(phantom.image, Vec3(-2, 0, 0), 5.0, settings);
+  const FitResult without = fit_surface({phantom.image, {ball}}, settings);
   EXPECT_LE(dice(without.surface, phantom.truth), 0.9);
   EXPECT_FALSE(without.summary.points.has_value());
 }
@@ -72,7 +72,8 @@ TEST(ExpertPoints, AloneTheyDrawEveryModelToThem) {
     choice.kind = kind;
     const std::optional<Surface> start = ellipsoid_of(points, choice, 1.0);
     ASSERT_TRUE(start.has_value());
-    const Surface drawn = drawn_to_points(phantom.image, *start, points, 2, {});
+    const Surface drawn =
+        drawn_to_points(phantom.image, *start, points, plan_for({}, StartKind::outlined, true).outline, {});
     EXPECT_LT(distances_to(points, drawn, 1.0).rms_mm, 0.3) << model_name(drawn.model);
     EXPECT_LT(distances_to(points, drawn, 1.0).rms_mm, 0.5 * distances_to(points, *start, 1.0).rms_mm);
     EXPECT_GE(dice(drawn, phantom.truth), 0.95) << model_name(drawn.model);
@@ -133,23 +134,22 @@ TEST(ExpertPoints, AStrayOnePullsNoHarderTheFurtherOffItIs) {
 }
 
 TEST(ExpertPoints, SettingsThatContradictAreRefused) {
-  const auto refuses = [](auto change) {
-    FitSettings settings;
-    change(settings);
-    EXPECT_THROW(settings.validate(), UsageError);
-  };
-  refuses([](auto& s) { s.energies[energy::springs] = 1.0; });
-  refuses([](auto& s) { s.points = {.points = {Vec3::Zero(), Vec3::Ones()}, .weights = {1.0}}; });
-  refuses([](auto& s) { s.points = {.points = {Vec3::Zero()}, .weights = {-1.0}}; });
-  refuses([](auto& s) { s.points = {.points = {Vec3::Zero()}, .weights = {0.0}}; });
-  refuses([](auto& s) { s.points = {.points = {Vec3(0, std::nan(""), 0)}}; });
+  FitOptions options;
+  options.energies[energy::springs] = 1.0;
+  EXPECT_THROW(options.validate(false), SettingError);
+  EXPECT_NO_THROW(options.validate(true));
+  const auto refuses = [](const ExpertPoints& points) { EXPECT_THROW(pellicle::validate(points), SettingError); };
+  refuses({.points = {Vec3::Zero(), Vec3::Ones()}, .weights = {1.0}});
+  refuses({.points = {Vec3::Zero()}, .weights = {-1.0}});
+  refuses({.points = {Vec3::Zero()}, .weights = {0.0}});
+  refuses({.points = {Vec3(0, std::nan(""), 0)}});
 }
 
 TEST(Trace, DoesNotChangeTheResultAndLeadsToIt) {
   PhantomSettings s = small_phantom();
   s.radius = {8.0};
   const Phantom phantom = make_phantom(s);
-  FitSettings settings;
+  FitOptions settings;
   settings.detail = 2;
   const FitResult plain = fit_ball_seed(phantom.image, Vec3(1, 0, -1), 4.0, settings);
   settings.trace_every = 2;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "pellicle/fit/fit.h"
+#include "pellicle/mask/overlap.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/overlap.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/synthetic/phantom.h"
 
@@ -27,8 +27,8 @@ inline PhantomSettings small_phantom(const std::string& shape = "sphere") {
 }
 
 inline FitResult fit_ball_seed(const Image<float>& image, const Vec3& centre, double radius,
-                               const FitSettings& settings = {}) {
-  return fit_surface(image, {Seed(SeedSphere{centre, radius})}, settings);
+                               const FitOptions& settings = {}) {
+  return fit_surface({image, {Seed(SeedSphere{centre, radius})}}, settings);
 }
 
 inline double assd(const Surface& surface, const TriangleMesh& truth) {
@@ -55,8 +55,8 @@ inline bool finite(const Surface& surface) {
 }
 
 /// One stage from the seed as it is, for tests of single energies.
-inline FitSettings one_stage(Stage stage) {
-  FitSettings settings;
+inline FitOptions one_stage(Stage stage) {
+  FitOptions settings;
   settings.start_rule = StartRule::sphere;
   settings.similarity = false;
   settings.stages = {std::move(stage)};

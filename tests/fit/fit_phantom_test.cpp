@@ -80,7 +80,7 @@ class FitShapes : public testing::TestWithParam<std::size_t> {};
 TEST_P(FitShapes, are_found_from_an_off_centre_seed) {
   const ShapeCase c = shape_cases().at(GetParam());
   const Phantom phantom = make_phantom(c.settings);
-  FitSettings settings;
+  FitOptions settings;
   if (c.settings.fill == PhantomFill::shell) settings.boundary = Boundary::ridge;  // as the preset `membrane` does
   const FitResult fit = fit_ball_seed(phantom.image, Vec3(2, -1.5, 1), 5.0, settings);
   EXPECT_EQ(fit.summary.status, FitStatus::ok) << c.name << ": " << fit.summary.reason;
@@ -112,7 +112,7 @@ struct Twin {
     return s;
   }());
   SeedSphere seed{Vec3(1, -2, 1.5), 5.0};
-  FitResult fit = fit_surface(phantom.image, {Seed(seed)}, {});
+  FitResult fit = fit_surface({phantom.image, {Seed(seed)}}, {});
 };
 
 const Twin& twin() {
@@ -123,7 +123,7 @@ const Twin& twin() {
 TEST(Fit, same_surface_for_other_intensity_units) {
   Image<float> other = twin().phantom.image;
   for (float& v : other.voxels) v = 7 * v + 100;
-  const FitResult fit = fit_surface(other, {Seed(twin().seed)}, {});
+  const FitResult fit = fit_surface({other, {Seed(twin().seed)}}, {});
   EXPECT_EQ(fit.summary.status, twin().fit.summary.status);
   EXPECT_LE(largest_move(fit.surface, twin().fit.surface), 0.01);
   EXPECT_NEAR(fit.summary.evidence.score / twin().fit.summary.evidence.score, 1.0, 0.01);
@@ -133,7 +133,7 @@ TEST(Fit, moves_with_the_frame) {
   Image<float> other = twin().phantom.image;
   const Vec3 shift(120.5, -340.25, 77.125);
   other.grid.origin_in_world += shift;
-  const FitResult fit = fit_surface(other, {Seed(SeedSphere{twin().seed.center + shift, twin().seed.radius})}, {});
+  const FitResult fit = fit_surface({other, {Seed(SeedSphere{twin().seed.center + shift, twin().seed.radius})}}, {});
   TriangleMesh mesh = tessellate(fit.surface, 4);
   for (Vec3& x : mesh.vertices) x -= shift;
   EXPECT_LE(surface_distances(mesh, tessellate(twin().fit.surface, 4), 1.0, 4000).hd, 0.01);
@@ -145,7 +145,7 @@ TEST(Fit, turns_with_the_frame) {
   const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   other.grid.origin_in_world = turn * other.grid.origin_in_world;
   other.grid.direction = turn * other.grid.direction;
-  const FitResult fit = fit_surface(other, {Seed(SeedSphere{turn * twin().seed.center, twin().seed.radius})}, {});
+  const FitResult fit = fit_surface({other, {Seed(SeedSphere{turn * twin().seed.center, twin().seed.radius})}}, {});
   EXPECT_EQ(fit.summary.status, twin().fit.summary.status);
   TriangleMesh mesh = tessellate(fit.surface, 4);
   for (Vec3& x : mesh.vertices) x = turn.transpose() * x;
@@ -166,7 +166,7 @@ TEST(Fit, same_surface_whatever_the_storage_order) {
       for (int i = 0; i < n; ++i) other.at(i, j, k) = image.at(k, n - 1 - j, i);
     }
   }
-  const FitResult fit = fit_surface(other, {Seed(twin().seed)}, {});
+  const FitResult fit = fit_surface({other, {Seed(twin().seed)}}, {});
   EXPECT_LE(largest_move(fit.surface, twin().fit.surface), 0.01);
 }
 
@@ -175,7 +175,7 @@ TEST(Fit, scales_with_the_voxel_size) {
   other.grid.spacing *= 0.01;
   other.grid.origin_in_world *= 0.01;
   const FitResult fit =
-      fit_surface(other, {Seed(SeedSphere{0.01 * twin().seed.center, 0.01 * twin().seed.radius})}, {});
+      fit_surface({other, {Seed(SeedSphere{0.01 * twin().seed.center, 0.01 * twin().seed.radius})}}, {});
   EXPECT_EQ(fit.summary.status, twin().fit.summary.status);
   TriangleMesh mesh = tessellate(fit.surface, 4);
   for (Vec3& x : mesh.vertices) x *= 100.0;
@@ -186,22 +186,22 @@ TEST(Fit, same_bytes_on_one_thread_and_on_two) {
   Parameters one, two;
   {
     const ThreadLimit limit(1);
-    one = fit_surface(twin().phantom.image, {Seed(twin().seed)}, {}).surface.parameters;
+    one = fit_surface({twin().phantom.image, {Seed(twin().seed)}}, {}).surface.parameters;
   }
   {
     const ThreadLimit limit(2);
-    two = fit_surface(twin().phantom.image, {Seed(twin().seed)}, {}).surface.parameters;
+    two = fit_surface({twin().phantom.image, {Seed(twin().seed)}}, {}).surface.parameters;
   }
   EXPECT_EQ(one, two);
 }
 
 TEST(Fit, from_a_surface_that_is_near) {
   // The seed's own control points count as detail: ten of them stay ten, and its shape is where the fit begins.
-  FitSettings settings;
+  FitOptions settings;
   settings.detail = 1;
-  const FitResult first = fit_surface(twin().phantom.image, {Seed(twin().seed)}, settings);
+  const FitResult first = fit_surface({twin().phantom.image, {Seed(twin().seed)}}, settings);
   ASSERT_EQ(control_point_count(first.surface.model), 10);
-  const FitResult again = fit_surface(twin().phantom.image, {Seed(first.surface)}, settings);
+  const FitResult again = fit_surface({twin().phantom.image, {Seed(first.surface)}}, settings);
   EXPECT_EQ(again.summary.status, FitStatus::ok) << again.summary.reason;
   EXPECT_EQ(control_point_count(again.surface.model), 10);
   EXPECT_LE(surface_distances(tessellate(first.surface, 4), tessellate(again.surface, 4), 1.0, 4000).assd, 0.1);
@@ -239,7 +239,7 @@ TEST(SurfaceFromMask, comes_back_from_its_voxels) {
 }
 
 TEST(SplineFit, spheres_ellipsoids_and_beans) {
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = ModelKind::spline;
   settings.detail = 1;
   for (const char* shape : {"sphere", "ellipsoid", "bean"}) {
@@ -258,22 +258,22 @@ TEST(SplineFit, a_torus_from_its_mask) {
   const Phantom phantom = make_phantom(s);
   const Surface start = surface_from_mask(phantom.truth, {.kind = ModelKind::spline_torus}, 1);
   EXPECT_GE(test::dice(start, phantom.truth), 0.95);
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = ModelKind::spline_torus;
   settings.detail = 1;
-  const FitResult result = fit_surface(phantom.image, {Seed(start)}, settings);
+  const FitResult result = fit_surface({phantom.image, {Seed(start)}}, settings);
   EXPECT_EQ(result.summary.status, FitStatus::ok) << result.summary.reason;
   EXPECT_LE(test::assd(result.surface, phantom.truth_surface), 0.15);
 }
 
 TEST(SplineFit, refuses_open_surfaces) {
   const Phantom phantom = make_phantom(test::small_phantom());
-  FitSettings settings;
+  FitOptions settings;
   settings.model.kind = ModelKind::spline_cylinder;
   EXPECT_THROW(test::fit_ball_seed(phantom.image, phantom.settings.center, 8.0, settings), UsageError);
   const SurfaceModel open = start_model({.kind = ModelKind::spline_rectangle});
   const Surface seed{open, affine_image(open, Vec3::Zero(), 10 * Mat3::Identity())};
-  EXPECT_THROW(fit_surface(phantom.image, {Seed(seed)}, {}), UsageError);
+  EXPECT_THROW(fit_surface({phantom.image, {Seed(seed)}}, {}), UsageError);
 }
 
 TEST(SurfaceFromMask, takes_the_largest_part_and_refuses_nothing) {

@@ -99,7 +99,7 @@ TEST(FitTrouble, ball_twice_as_wide_as_a_rod_shrinks_onto_it_and_is_not_turned_i
   const Phantom phantom = make_phantom(s);
   for (const ModelKind kind : {ModelKind::normal, ModelKind::spline, ModelKind::catmull_clark}) {
     SCOPED_TRACE(static_cast<int>(kind));
-    FitSettings settings =
+    FitOptions settings =
         one_stage({.detail = 1,
                    .energies = {{energy::region, 1.0}, {energy::bending, 1e-3}, {energy::spacing, 0.05}},
                    .reach = 16.0});
@@ -165,7 +165,7 @@ TEST(FitTrouble, object_joined_to_a_slab_is_held_or_the_leak_is_told) {
 
 TEST(FitTrouble, surfaces_that_shrink_to_nothing_are_told) {
   // The volume prior asks for a thousandth of a voxel.
-  FitSettings settings =
+  FitOptions settings =
       one_stage({.name = "shrink", .detail = 0, .energies = {{energy::bending, 1e-6}}, .max_steps = 40});
   settings.target_volume_ml = 1e-6;
   settings.volume_weight = 1e4;
@@ -176,7 +176,7 @@ TEST(FitTrouble, surfaces_that_shrink_to_nothing_are_told) {
 
 TEST(FitHypotheses, polarity_is_honoured_when_told) {
   for (const Polarity polarity : {Polarity::bright, Polarity::dark}) {
-    FitSettings settings;
+    FitOptions settings;
     settings.polarity = polarity;
     settings.similarity = false;
     const FitResult fit = fit_ball_seed(ball().image, Vec3(0, 0, 0), 6.0, settings);
@@ -191,16 +191,16 @@ TEST(FitHypotheses, polarity_is_honoured_when_told) {
 
 TEST(FitHypotheses, several_seeds_are_all_in_the_report_until_one_decides) {
   const std::vector<Seed> seeds{SeedSphere{Vec3(-19, -19, -19), 3.0}, SeedSphere{Vec3(1, 1, 0), 5.0}};
-  const FitResult fit = fit_surface(ball().image, seeds, {});
+  const FitResult fit = fit_surface({ball().image, seeds}, {});
   EXPECT_EQ(fit.summary.status, FitStatus::ok) << fit.summary.reason;
   EXPECT_LE(test::assd(fit.surface, ball().truth_surface), 0.1);
   ASSERT_FALSE(fit.summary.hypotheses.empty());
   for (const HypothesisSummary& h : fit.summary.hypotheses) EXPECT_THAT(h.name, testing::StartsWith("seed "));
 }
 
-TEST(FitSettings, detail_limits_the_control_points) {
+TEST(FitOptions, detail_limits_the_control_points) {
   for (const auto& [detail, points] : {std::pair{0, 4}, std::pair{1, 10}, std::pair{2, 34}}) {
-    FitSettings settings;
+    FitOptions settings;
     settings.detail = detail;
     const FitResult fit = fit_ball_seed(ball().image, Vec3(1, 0, 0), 6.0, settings);
     EXPECT_LE(control_point_count(fit.surface.model), points);
@@ -209,7 +209,20 @@ TEST(FitSettings, detail_limits_the_control_points) {
   }
 }
 
-TEST(FitSettings, progress_runs_up_and_says_what_is_done) {
+TEST(FitOptions, every_given_stage_runs_though_none_measures_edges) {
+  FitOptions options;
+  options.similarity = false;
+  for (int detail = 0; detail <= 2; ++detail) {
+    options.stages.push_back({.name = "region",
+                              .detail = detail,
+                              .energies = {{energy::region, 1.0}, {energy::bending, 1e-3}, {energy::spacing, 0.05}},
+                              .max_steps = 5});
+  }
+  const FitResult fit = fit_ball_seed(ball().image, Vec3(0, 0, 0), 6.0, options);
+  EXPECT_EQ(control_point_count(fit.surface.model), 34);
+}
+
+TEST(FitOptions, progress_runs_up_and_says_what_is_done) {
   double last = -1.0;
   int calls = 0;
   Observer observer;
@@ -220,7 +233,7 @@ TEST(FitSettings, progress_runs_up_and_says_what_is_done) {
     last = fraction;
     ++calls;
   };
-  fit_surface(ball().image, {Seed(SeedSphere{Vec3(0, 0, 0), 6.0})}, {}, observer);
+  fit_surface({ball().image, {Seed(SeedSphere{Vec3(0, 0, 0), 6.0})}}, {}, observer);
   EXPECT_GT(calls, 0);
 }
 
@@ -260,19 +273,19 @@ TEST(StageValidate, names_stage_key_and_value) {
     } catch (const UsageError& e) {
       EXPECT_THAT(e.what(), testing::HasSubstr(key));
       EXPECT_THAT(e.what(), testing::HasSubstr("mine"));
-      EXPECT_EQ(e.exit_code(), 64);
+      EXPECT_EQ(e.category(), ErrorCategory::usage);
     }
   }
   EXPECT_NO_THROW((Stage{.energies = {{energy::inflation, -1.0}}}.validate()));
   for (const EnergyKind& kind : energy_kinds()) EXPECT_NO_THROW((Stage{.energies = {{kind, 1.0}}}.validate()));
 }
 
-TEST(FitSettings, bad_values_are_usage_errors) {
-  const auto expect_refused = [](const FitSettings& settings, const std::string& what) {
+TEST(FitOptions, unknown_energy_and_bad_values_are_usage_errors) {
+  const auto expect_refused = [](const FitOptions& settings, const std::string& what) {
     EXPECT_THROW(settings.validate(), UsageError) << what;
     EXPECT_THROW(fit_ball_seed(ball().image, Vec3(0, 0, 0), 6.0, settings), UsageError) << what;
   };
-  FitSettings settings;
+  FitOptions settings;
   settings.energies = {{energy::region, -1.0}};
   expect_refused(settings, "negative weight");
   settings = {};
@@ -293,7 +306,9 @@ TEST(FitSettings, bad_values_are_usage_errors) {
   for (const StartRule rule : {StartRule::automatic, StartRule::sphere, StartRule::rays, StartRule::head}) {
     settings = {};
     settings.start_rule = rule;
-    for (const Stage& stage : stages_of(settings)) EXPECT_NO_THROW(stage.validate());
+    for (const StartKind start : {StartKind::ball, StartKind::surface, StartKind::outlined, StartKind::many}) {
+      for (const Stage& stage : plan_for(settings, start, true).first.stages) EXPECT_NO_THROW(stage.validate());
+    }
   }
 }
 

@@ -6,7 +6,7 @@
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/rim.h"
 #include "pellicle/raster/closed_solid.h"
 #include "pellicle/raster/cup.h"
 #include "pellicle/seed/open_seed.h"

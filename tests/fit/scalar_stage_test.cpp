@@ -63,7 +63,7 @@ TEST(ScalarStages, flux_draws_the_surface_onto_the_edge) {
 
 TEST(ScalarStages, volume_prior_pulls_to_its_target_exactly_when_alone) {
   for (const double target : {4.0, 10.0}) {
-    FitSettings settings = one_stage(gradient_stage({}));
+    FitOptions settings = one_stage(gradient_stage({}));
     settings.target_volume_ml = target;
     const FitResult fit = fit_ball_seed(noiseless_ball().image, Vec3(0, 0, 0), 11.0, settings);
     EXPECT_NEAR(test::volume(fit.surface) / (1000.0 * target), 1.0, 0.01);
@@ -71,7 +71,7 @@ TEST(ScalarStages, volume_prior_pulls_to_its_target_exactly_when_alone) {
 }
 
 TEST(ScalarStages, volume_prior_and_edge_meet_in_between) {
-  FitSettings settings;
+  FitOptions settings;
   settings.detail = 1;
   const double plain = test::volume(fit_ball_seed(noiseless_ball().image, Vec3(0, 0, 0), 8.0, settings).surface);
   settings.target_volume_ml = 1.3e-3 * plain;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "../../cli/exit_codes.h"
 #include "corpus.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/image/files/volume_file.h"
@@ -20,7 +21,7 @@ using test::Expectation;
 
 void check_failure(const Expectation& expected, const Error& error) {
   const std::string message = error.what();
-  EXPECT_EQ(error.exit_code(), expected.exit_code) << message;
+  EXPECT_EQ(cli::exit_code_of(error.category()), expected.exit_code) << message;
   EXPECT_THAT(message, testing::HasSubstr(expected.text));
   EXPECT_THAT(message, testing::HasSubstr(fs::path(expected.file).filename().string()));
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;

@@ -11,7 +11,7 @@
 
 #include "corpus.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/image/affine_grid.h"
+#include "pellicle/image/files/internal/affine_grid.h"
 #include "pellicle/image/files/volume_file.h"
 
 namespace pellicle {

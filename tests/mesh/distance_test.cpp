@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/mesh/overlap.h"
 #include "test_meshes.h"
 
 namespace pellicle {
@@ -139,29 +138,6 @@ TEST(SampleSurface, SharesFollowArea) {
   ASSERT_EQ(points.size(), 10000U);
   for (const Vec3& x : points) second += x.x() > 50 ? 1 : 0;
   EXPECT_NEAR(second / 10000.0, 0.8, 0.01);
-}
-
-TEST(Overlap, CountsAndEmptyMasks) {
-  ImageGrid grid;
-  grid.size = {4, 1, 1};
-  grid.spacing = {1, 2, 3};
-  Image<std::uint8_t> truth(grid), result(grid);
-  EXPECT_EQ(overlap_of(truth, result).dice, 1.0);
-  EXPECT_EQ(overlap_of(truth, result).iou, 1.0);
-  EXPECT_EQ(overlap_of(truth, result).volume_error, 0.0);
-  result.voxels = {0, 1, 1, 1};
-  EXPECT_EQ(overlap_of(truth, result).dice, 0.0);
-  EXPECT_FALSE(overlap_of(truth, result).volume_error.has_value());
-  truth.voxels = {1, 1, 0, 0};
-  const OverlapMetrics m = overlap_of(truth, result);
-  EXPECT_DOUBLE_EQ(m.dice, 2.0 / 5.0);
-  EXPECT_DOUBLE_EQ(m.iou, 1.0 / 4.0);
-  EXPECT_DOUBLE_EQ(m.volume_error.value_or(-9.0), 0.5);
-  EXPECT_DOUBLE_EQ(m.truth_volume, 12.0);
-  EXPECT_DOUBLE_EQ(m.result_volume, 18.0);
-  ImageGrid other = grid;
-  other.origin_in_world.x() += 0.1;
-  EXPECT_THROW(overlap_of(truth, Image<std::uint8_t>(other)), BadData);
 }
 
 }  // namespace

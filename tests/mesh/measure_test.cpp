@@ -176,7 +176,7 @@ TEST(SelfIntersection, NeighboursAreNotReported) {
   EXPECT_EQ(self_intersection_count(test::box({0, 0, 0}, {1, 1, 1})), 0U);
   EXPECT_EQ(self_intersection_count(test::together(test::sphere(3, 10), test::sphere(3, 5))), 0U);
   EXPECT_GT(self_intersection_count(test::together(test::sphere(3, 10), test::sphere(3, 10, {5, 0, 0}))), 10U);
-  // A seam of doubled vertices is no contact.
+  // A seam of doubled vertices is not a contact.
   const TriangleMesh whole = test::sphere(2, 10);
   TriangleMesh loose;
   for (const auto& t : whole.triangles) {

@@ -1,4 +1,4 @@
-// Point files: what is read, and what each broken file is told.
+// Point files: what is read, and the error message for each broken file.
 #include "pellicle/mesh/files/point_file.h"
 
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 #include "../temporary_folder.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
-#include "pellicle/mesh/point_tree.h"
+#include "pellicle/mesh/points/point_tree.h"
 
 namespace pellicle {
 namespace {

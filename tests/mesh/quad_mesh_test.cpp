@@ -1,6 +1,6 @@
 // Quad meshes: what they are made of, every way to be broken, and Catmull-Clark against an independent implementation.
 
-#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/quad_subdivision.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
 
 namespace pellicle {
 namespace {

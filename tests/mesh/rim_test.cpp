@@ -1,5 +1,5 @@
 // Where clouds of points end.
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/rim.h"
 
 #include <gmock/gmock.h>
 

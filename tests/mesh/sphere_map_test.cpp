@@ -1,13 +1,13 @@
 // Spherical maps are one to one, whatever the shape, and know nothing of where the surface lies.
-#include "pellicle/mesh/sphere_map.h"
+#include "pellicle/mesh/sphere/sphere_map.h"
 
 #include <gmock/gmock.h>
 
 #include <numbers>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/mesh/collapse.h"
 #include "pellicle/mesh/measure.h"
+#include "pellicle/mesh/sphere/internal/collapse.h"
 #include "test_meshes.h"
 
 namespace pellicle {

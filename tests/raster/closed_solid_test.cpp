@@ -8,9 +8,10 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/random.h"
+#include "pellicle/mask/morphology.h"
+#include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/raster/mask_morphology.h"
 #include "pellicle/raster/rasterize.h"
 
 namespace pellicle {
@@ -94,7 +95,7 @@ TEST(JoinParts, FollowsTheFieldAndLeavesOutWhatIsFarOrSmall) {
   join_parts(mask, field, 8);
   for (int i = 0; i < 40; ++i) EXPECT_EQ(mask.at(i, 4, 4), i >= 2 && i < 20 ? 1 : 0) << i;
   Image<std::uint8_t> largest = mask;
-  keep_largest(largest);
+  keep_largest_part(largest);
   EXPECT_EQ(largest.voxels, mask.voxels);
   EXPECT_EQ(topology_of(surface_of_mask(mask)).genus, 0);
 

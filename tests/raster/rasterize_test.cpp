@@ -92,7 +92,7 @@ TEST(RasterizeMask, CavitiesOverlapsAndThinWalls) {
   EXPECT_EQ(sum_of(rasterize_mask(test::inside_out(test::sphere(4, 20, c)), g)), 0.0);
 }
 
-// Faces exactly through voxel centres: half-open, so that boxes side by side share no voxel and leave none out.
+// Faces exactly through voxel centres: half-open, so that boxes side by side have no voxel in common and leave none out.
 TEST(RasterizeMask, BoxesOnVoxelCentresTile) {
   ImageGrid g;
   g.size = {12, 12, 12};

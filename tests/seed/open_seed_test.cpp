@@ -7,7 +7,7 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/rim.h"
+#include "pellicle/mesh/points/rim.h"
 #include "pellicle/raster/cup.h"
 #include "pellicle/raster/rasterize.h"
 #include "pellicle/seed/voxel_seed.h"

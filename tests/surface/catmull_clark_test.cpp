@@ -10,8 +10,8 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/mesh/measure.h"
-#include "pellicle/mesh/quad_subdivision.h"
-#include "pellicle/surface/quad/catmull_clark_limits.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
+#include "pellicle/surface/quad/internal/catmull_clark_limits.h"
 #include "quad_shapes.h"
 
 namespace pellicle {

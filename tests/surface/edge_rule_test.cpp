@@ -1,7 +1,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include "pellicle/surface/normal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/normal_edge_rule.h"
 #include "shapes.h"
 
 namespace pellicle {

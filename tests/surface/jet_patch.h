@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "pellicle/surface/normal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/triangle_refinement.h"
 #include "pellicle/surface/normal/normal_model.h"
-#include "pellicle/surface/normal/triangle_refinement.h"
 
 namespace pellicle::oracle {
 

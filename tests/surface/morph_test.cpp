@@ -341,8 +341,8 @@ TEST(Matching, OtherKindsAreRefused) {
   Surface published = a;
   const NormalModel& model = std::get<NormalModel>(a.model);
   published.model = NormalModel(12, model.triangles(), SubdivisionRule::published, model.reference());
-  EXPECT_NE(message(a, published).find("--rule"), std::string::npos);
-  EXPECT_NE(message(a, lumpy(13, StartSolid::octahedron)).find("--start"), std::string::npos);
+  EXPECT_NE(message(a, published).find("`rule`"), std::string::npos);
+  EXPECT_NE(message(a, lumpy(13, StartSolid::octahedron)).find("`start`"), std::string::npos);
   EXPECT_NE(message(lumpy(13, StartSolid::octahedron), a).find("6 control points, B a"), std::string::npos);
   const Surface sphere = lumpy(shapes::spline_sphere(5, 3), 14);
   const Surface keys = lumpy(shapes::spline_sphere(5, 3, SplineGenerator::keys), 15);

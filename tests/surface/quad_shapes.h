@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pellicle/base/random.h"
-#include "pellicle/mesh/quad_mesh.h"
-#include "pellicle/mesh/quad_subdivision.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
 #include "pellicle/surface/quad/quad_layout.h"
 
 namespace pellicle::quad_shapes {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "pellicle/surface/gauss_legendre.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
 #include "spline_cases.h"
 
 namespace pellicle {

@@ -97,7 +97,7 @@ TEST(InterpolateGrid, RefusesWhatIsNoSurface) {
   EXPECT_THROW(interpolate_grid(sphere_grid(3, 5, same), SplineTopology::sphere), BadData);
   EXPECT_THROW(interpolate_grid(sphere_grid(6, 2, same), SplineTopology::sphere), BadData);
   PointGrid torn = sphere_grid(6, 5, same);
-  torn.points[2] += Vec3(0.1, 0, 0);  // a pole that is no point
+  torn.points[2] += Vec3(0.1, 0, 0);  // a pole that is not a point
   EXPECT_THROW(interpolate_grid(torn, SplineTopology::sphere), BadData);
   EXPECT_THROW(interpolate_grid(sphere_grid(3, 5, same), SplineTopology::cylinder), BadData);
   EXPECT_THROW(interpolate_grid({1, 5, std::vector<Vec3>(5, Vec3::Zero())}, SplineTopology::rectangle), BadData);

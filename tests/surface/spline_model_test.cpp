@@ -183,12 +183,12 @@ TEST(SplineModel, JacobianAndPullBackMatchDifferences) {
           const int i = patch.first_sample + k;
           const Vec3 slope = (moved[i] - samples.x[i]) / 0.5;
           sum += slope.dot(bar[i]);
-          Vec3 told = Vec3::Zero();
+          Vec3 derivative = Vec3::Zero();
           for (int axis = 0; axis < 3 && at != patch.blocks.end(); ++axis) {
-            told[axis] = samples.jacobian[patch.jacobian_offset + (3 * k + axis) * std::size_t(patch.columns()) +
-                                          3 * (at - patch.blocks.begin()) + p % 3];
+            derivative[axis] = samples.jacobian[patch.jacobian_offset + (3 * k + axis) * std::size_t(patch.columns()) +
+                                                3 * (at - patch.blocks.begin()) + p % 3];
           }
-          ASSERT_LE((told - slope).norm(), 1e-13);
+          ASSERT_LE((derivative - slope).norm(), 1e-13);
         }
       }
       EXPECT_NEAR(gradient[p], sum, 1e-11);

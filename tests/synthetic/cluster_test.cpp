@@ -118,14 +118,14 @@ TEST(Cluster, RefusesWhatDoesNotFitWithTheFlagAndTheRule) {
     return "accepted";
   };
   using S = ClusterSettings;
-  EXPECT_NE(message([](S& s) { s.count = 500; }).find("no room for all objects (--count 500)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.count = 0; }).find("(--count 0)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.radius_max = 1.0; }).find("(--radius 3,1)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.radius_max = 50.0, s.radius_min = 49; }).find("(--size 80,72,40)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.elongation = 0.5; }).find("(--elongation 0.5)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.distance = std::nan(""); }).find("(--distance nan)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.contrast_min = 2.0; }).find("(--contrast-range 2,1)"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.image.bias = 1.0; }).find("--bias 1"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.count = 500; }).find("no room for all objects (count 500)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.count = 0; }).find("(count 0)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.radius_max = 1.0; }).find("(radius 3,1)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.radius_max = 50.0, s.radius_min = 49; }).find("(size 80,72,40)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.elongation = 0.5; }).find("(elongation 0.5)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.distance = std::nan(""); }).find("(distance nan)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.contrast_min = 2.0; }).find("(contrast-range 2,1)"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.image.bias = 1.0; }).find("bias 1"), std::string::npos);
 }
 
 }  // namespace

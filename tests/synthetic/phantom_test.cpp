@@ -155,23 +155,20 @@ TEST(Phantom, RefusesSettingsWithTheFlagAndTheRule) {
     return "accepted";
   };
   using S = PhantomSettings;
-  EXPECT_NE(message([](S& s) { s.shape = "cube"; }).find("--shape cube"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.size[1] = 0; }).find("--size 56,0,56"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.shape = "cube"; }).find("shape cube"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.size[1] = 0; }).find("size 56,0,56"), std::string::npos);
   EXPECT_NE(message([](S& s) { s.size = {8000, 8000, 8000}; }).find("2^31"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.spacing[2] = 0.0; }).find("--spacing 1,1,0"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.radius = {1, 2}; }).find("--radius 1,2"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.blur_mm = -1.0; }).find("--blur -1"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.blur_mm = std::nan(""); }).find("--blur nan"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.bias = 1.0; }).find("--bias 1"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.snr = 0.0; }).find("--snr 0"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.inside = s.outside; }).find("--contrast"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.spacing[2] = 0.0; }).find("spacing 1,1,0"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.radius = {1, 2}; }).find("radius 1,2"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.blur_mm = -1.0; }).find("blur -1"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.blur_mm = std::nan(""); }).find("blur nan"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.bias = 1.0; }).find("bias 1"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.snr = 0.0; }).find("snr 0"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.inside = s.outside; }).find("contrast"), std::string::npos);
   EXPECT_NE(message([](S& s) { s.noise = PhantomNoise::poisson, s.outside = -1; }).find("Poisson"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.center = Vec3(500, 0, 0); }).find("--center 500,0,0"), std::string::npos);
-  EXPECT_NE(message([](S& s) { s.fill = PhantomFill::shell, s.shell_thickness_mm = 50; }).find("--shell-thickness"),
+  EXPECT_NE(message([](S& s) { s.center = Vec3(500, 0, 0); }).find("center 500,0,0"), std::string::npos);
+  EXPECT_NE(message([](S& s) { s.fill = PhantomFill::shell, s.shell_thickness_mm = 50; }).find("shell-thickness"),
             std::string::npos);
-  EXPECT_THROW(phantom_fill_from_name("hollow"), UsageError);
-  EXPECT_THROW(phantom_noise_from_name("pink"), UsageError);
-  EXPECT_EQ(phantom_noise_from_name("rician"), PhantomNoise::rician);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/dicom_series.h"
+#include "pellicle/image/files/internal/dicom_series.h"
 
 #include <fmt/format.h>
 #include <gdcmImageReader.h>
@@ -17,7 +17,7 @@
 #include <sstream>
 #include <vector>
 
-#include "pellicle/image/affine_grid.h"
+#include "pellicle/image/files/internal/affine_grid.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -38,7 +38,7 @@ void silence_gdcm() {
   gdcm::Trace::ErrorOff();
 }
 
-// The numbers of "1.0\2.5\..."; empty when any part is no number.
+// The numbers of "1.0\2.5\..."; empty when any part is not a number.
 std::vector<double> numbers(const std::string& text) {
   std::vector<double> values;
   std::istringstream parts(text);
@@ -151,7 +151,7 @@ void check_one_series(const std::vector<Slice>& slices, const fs::path& folder) 
                    "put one series into a folder of its own");
 }
 
-// Refuses an object that is no plain image slice.
+// Refuses an object that is not a plain image slice.
 void check_is_slice(const Slice& slice, const fs::path& named) {
   const std::string file = slice.path.filename().string();
   if (slice.modality == "SEG" || slice.modality == "RTSTRUCT" || slice.modality == "SR" || slice.modality == "RTDOSE" ||
@@ -254,7 +254,7 @@ ImageGrid grid_of(const std::vector<Slice>& slices, const fs::path& folder, Volu
     spacing << first.pixel_spacing[1], first.pixel_spacing[0], 0.0;  // stored as row spacing, column spacing
   } else {
     header.spacing_known = false;
-    header.warnings.emplace_back("NO SPACING of pixels in the DICOM series: 1 mm is assumed; set it with --spacing.");
+    header.warnings.emplace_back("NO SPACING of pixels in the DICOM series: 1 mm is assumed; set it with `spacing`.");
   }
   Mat3 matrix;
   matrix.col(0) = vec3(first.orientation) * spacing[0];

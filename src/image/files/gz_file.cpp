@@ -1,4 +1,4 @@
-#include "pellicle/image/files/gz_file.h"
+#include "pellicle/image/files/internal/gz_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/image/files/voxel_source.h"
+#include "pellicle/image/files/internal/bad_volume.h"
 
 namespace pellicle {
 

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/itk_decoder.h"
+#include "pellicle/image/files/internal/itk_decoder.h"
 
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>

@@ -1,14 +1,14 @@
-#include "pellicle/image/files/itk_io.h"
+#include "pellicle/image/files/internal/itk_io.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "pellicle/image/affine_grid.h"
-#include "pellicle/image/files/gz_file.h"
-#include "pellicle/image/files/itk_decoder.h"
-#include "pellicle/image/files/text_header.h"
+#include "pellicle/image/files/internal/affine_grid.h"
+#include "pellicle/image/files/internal/gz_file.h"
+#include "pellicle/image/files/internal/itk_decoder.h"
+#include "pellicle/image/files/internal/text_header.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

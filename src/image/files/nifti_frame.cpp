@@ -1,10 +1,13 @@
+#include "pellicle/image/files/internal/nifti_frame.h"
+
 #include <fmt/format.h>
+#include <nifti2_io.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/image/affine_grid.h"
-#include "pellicle/image/files/nifti_header.h"
+#include "pellicle/image/files/internal/affine_grid.h"
+#include "pellicle/image/files/internal/bad_volume.h"
 
 namespace pellicle {
 namespace {
@@ -51,7 +54,7 @@ Vec3 pixdim_spacing(const NiftiFrame& frame, VolumeHeader& header) {
       spacing[axis] = 1.0 / mm_per_unit(frame.xyzt_units);
       header.spacing_known = false;
       header.warnings.push_back(fmt::format(
-          "NO SPACING along axis {} (pixdim is {}): 1 mm is assumed; set it with --spacing.", axis, stored));
+          "NO SPACING along axis {} (pixdim is {}): 1 mm is assumed; set it with `spacing`.", axis, stored));
     } else if (stored < 0.0) {
       header.warnings.push_back(
           fmt::format("The spacing along axis {} is stored as {}; its absolute value is used.", axis, stored));
@@ -78,6 +81,33 @@ bool is_rectangular(const Affine& affine) {
 }
 
 }  // namespace
+
+double mm_per_unit(int xyzt_units) {
+  switch (XYZT_TO_SPACE(xyzt_units)) {
+    case NIFTI_UNITS_UNKNOWN:
+    case NIFTI_UNITS_MM:
+      return 1.0;
+    case NIFTI_UNITS_METER:
+      return 1e3;
+    case NIFTI_UNITS_MICRON:
+      return 1e-3;
+    default:
+      return 0.0;
+  }
+}
+
+std::string unit_name(int xyzt_units) {
+  switch (XYZT_TO_SPACE(xyzt_units)) {
+    case NIFTI_UNITS_MM:
+      return "mm";
+    case NIFTI_UNITS_METER:
+      return "m";
+    case NIFTI_UNITS_MICRON:
+      return "um";
+    default:
+      return "unknown";
+  }
+}
 
 ImageGrid grid_of(const NiftiFrame& frame, bool analyze, const Index3& size, const std::filesystem::path& path,
                   VolumeHeader& header) {

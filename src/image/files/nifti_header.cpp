@@ -1,4 +1,4 @@
-#include "pellicle/image/files/nifti_header.h"
+#include "pellicle/image/files/internal/nifti_header.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ NiftiHeader read_nifti_header(GzFile& file, const std::filesystem::path& path) {
   std::memcpy(&first, bytes.data(), nifti_1_size);
   header.version = std::memcmp(first.magic, "n+1", 4) == 0 || std::memcmp(first.magic, "ni1", 4) == 0 ? 1 : 0;
   header.single_file = header.version == 1 && first.magic[1] == '+';
-  // The Analyze swap covers the fields that are used here: it shares sizes, types, dim and pixdim with NIfTI.
+  // The Analyze swap covers the fields that are used here: its sizes, types, dim and pixdim are those of NIfTI.
   if (header.swapped) nifti_swap_as_nifti1(&first);
   header.fields = header.version == 1 ? widened(first) : widened_analyze(first);
   return header;
@@ -108,33 +108,6 @@ NiftiFrame frame_of(const NiftiHeader& header) {
   std::copy(std::begin(h.srow_y), std::end(h.srow_y), frame.srow[1].begin());
   std::copy(std::begin(h.srow_z), std::end(h.srow_z), frame.srow[2].begin());
   return frame;
-}
-
-double mm_per_unit(int xyzt_units) {
-  switch (XYZT_TO_SPACE(xyzt_units)) {
-    case NIFTI_UNITS_UNKNOWN:
-    case NIFTI_UNITS_MM:
-      return 1.0;
-    case NIFTI_UNITS_METER:
-      return 1e3;
-    case NIFTI_UNITS_MICRON:
-      return 1e-3;
-    default:
-      return 0.0;
-  }
-}
-
-std::string unit_name(int xyzt_units) {
-  switch (XYZT_TO_SPACE(xyzt_units)) {
-    case NIFTI_UNITS_MM:
-      return "mm";
-    case NIFTI_UNITS_METER:
-      return "m";
-    case NIFTI_UNITS_MICRON:
-      return "um";
-    default:
-      return "unknown";
-  }
 }
 
 }  // namespace pellicle

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/nifti_io.h"
+#include "pellicle/image/files/internal/nifti_io.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "pellicle/image/files/nifti_header.h"
+#include "pellicle/image/files/internal/nifti_header.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -124,7 +124,7 @@ Index3 size_of(const NiftiHeader& header, bool as_series, const fs::path& path) 
   return {static_cast<int>(size[0]), static_cast<int>(size[1]), static_cast<int>(size[2])};
 }
 
-// The fourth axis. What is known not to be time is refused: its volumes are no states of one object.
+// The fourth axis. What is known not to be time is refused: its volumes are not states of one object.
 void take_frames(const NiftiHeader& header, int frame, const fs::path& path, VolumeHeader& out) {
   const auto& dim = header.fields.dim;
   out.frames = dim[0] >= 4 ? static_cast<int>(std::max<std::int64_t>(1, dim[4])) : 1;
@@ -138,7 +138,7 @@ void take_frames(const NiftiHeader& header, int frame, const fs::path& path, Vol
                          : unit == NIFTI_UNITS_USEC ? 1e-6
                                                     : 0.0;
   if (seconds == 0.0 && unit != NIFTI_UNITS_UNKNOWN) {
-    throw_bad_volume(path, fmt::format("the fourth axis is no time ({})", nifti_units_string(unit)),
+    throw_bad_volume(path, fmt::format("the fourth axis is not time ({})", nifti_units_string(unit)),
                      "extract one 3D volume first");
   }
   const double step = header.fields.pixdim[4];

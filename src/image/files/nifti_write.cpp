@@ -11,7 +11,7 @@
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/image/files/nifti_io.h"
+#include "pellicle/image/files/internal/nifti_frame.h"
 #include "pellicle/image/files/volume_file.h"
 
 namespace pellicle {
@@ -42,7 +42,7 @@ struct NiftiType<float> {
   static constexpr int code = DT_FLOAT32;
 };
 
-// The frame of a grid that came from another format: qform and sform alike, scanner coordinates in mm.
+// The frame of a grid that came from another format: qform and sform the same, scanner coordinates in mm.
 NiftiFrame frame_of_grid(const ImageGrid& grid) {
   const Mat3 flip = Vec3(-1, -1, 1).asDiagonal();
   const Mat3 ras = flip * grid.world_from_index_matrix();
@@ -83,7 +83,7 @@ bool needs_nifti_2(const NiftiFrame& frame, const Index3& size) {
   return !exact;
 }
 
-// Fills what both header versions share; the narrowing to float is the identity for a NIfTI-1 frame.
+// Fills what both header versions have; the narrowing to float is the identity for a NIfTI-1 frame.
 template <class Header>
 Header header_of(const NiftiFrame& frame, const Index3& size, int type_code, std::size_t width) {
   Header h{};

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/text_header.h"
+#include "pellicle/image/files/internal/text_header.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <map>
 
-#include "pellicle/image/files/voxel_source.h"
+#include "pellicle/image/files/internal/bad_volume.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -86,7 +86,7 @@ void take_unit(const std::string& name, TextHeader& header) {
 
 void warn_if_no_spacing(TextHeader& header) {
   if (header.has_spacing) return;
-  header.warnings.emplace_back("NO SPACING in the file: 1 mm is assumed; set it with --spacing.");
+  header.warnings.emplace_back("NO SPACING in the file: 1 mm is assumed; set it with `spacing`.");
 }
 
 void read_nrrd(const fs::path& path, std::istream& in, TextHeader& header) {

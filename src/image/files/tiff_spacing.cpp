@@ -1,4 +1,4 @@
-#include "pellicle/image/files/tiff_spacing.h"
+#include "pellicle/image/files/internal/tiff_spacing.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "pellicle/image/files/text_header.h"
+#include "pellicle/image/files/internal/text_header.h"
 
 namespace pellicle {
 namespace {
@@ -37,7 +37,7 @@ TiffSpacing from_ome(const pugi::xml_document& document) {
     } else {
       result.known = false;
       result.warnings.push_back(fmt::format(
-          "NO SPACING along {} in the OME description: 1 mm is assumed; set it with --spacing.", "xyz"[axis]));
+          "NO SPACING along {} in the OME description: 1 mm is assumed; set it with `spacing`.", "xyz"[axis]));
     }
   }
   return result;
@@ -77,16 +77,16 @@ TiffSpacing from_imagej(const TiffDescription& description) {
     result.spacing *= *mm;
   } else {
     result.warnings.push_back(fmt::format(
-        "NO SPACING unit in the ImageJ description: {:.4g} x {:.4g} x {:.4g} mm is assumed; set it with --spacing.",
+        "NO SPACING unit in the ImageJ description: {:.4g} x {:.4g} x {:.4g} mm is assumed; set it with `spacing`.",
         result.spacing[0], result.spacing[1], result.spacing[2]));
     return result;
   }
   if (!has_xy)
     result.warnings.push_back(
-        fmt::format("NO SPACING along x and y in the TIFF: 1 {} is assumed; set it with --spacing.", unit));
+        fmt::format("NO SPACING along x and y in the TIFF: 1 {} is assumed; set it with `spacing`.", unit));
   if (!has_z)
     result.warnings.push_back(fmt::format(
-        "NO SPACING between slices in the ImageJ description: 1 {} is assumed; set it with --spacing.", unit));
+        "NO SPACING between slices in the ImageJ description: 1 {} is assumed; set it with `spacing`.", unit));
   return result;
 }
 
@@ -103,7 +103,7 @@ TiffSpacing tiff_spacing(const TiffDescription& description) {
   if (description.text.starts_with("ImageJ=")) return from_imagej(description);
   TiffSpacing result;
   result.warnings.emplace_back(
-      "NO SPACING in the TIFF (neither ImageJ's nor OME's): 1 mm is assumed; set it with --spacing.");
+      "NO SPACING in the TIFF (neither ImageJ's nor OME's): 1 mm is assumed; set it with `spacing`.");
   return result;
 }
 

@@ -1,4 +1,4 @@
-#include "pellicle/image/files/tiff_stack.h"
+#include "pellicle/image/files/internal/tiff_stack.h"
 
 #include <fmt/format.h>
 #include <tiffio.h>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "pellicle/image/files/tiff_spacing.h"
+#include "pellicle/image/files/internal/tiff_spacing.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;

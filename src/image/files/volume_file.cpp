@@ -13,11 +13,11 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/memory.h"
-#include "pellicle/image/files/dicom_series.h"
-#include "pellicle/image/files/itk_io.h"
-#include "pellicle/image/files/nifti_io.h"
-#include "pellicle/image/files/tiff_stack.h"
-#include "pellicle/image/files/voxel_source.h"
+#include "pellicle/image/files/internal/dicom_series.h"
+#include "pellicle/image/files/internal/itk_io.h"
+#include "pellicle/image/files/internal/nifti_io.h"
+#include "pellicle/image/files/internal/tiff_stack.h"
+#include "pellicle/image/files/internal/voxel_source.h"
 
 namespace pellicle {
 namespace fs = std::filesystem;
@@ -80,7 +80,7 @@ VolumeSource open_volume(const fs::path& path, const ReadOptions& options) {
   VolumeSource source = folder ? open_dicom_series(path) : open_by_kind(path, options.frame);
   if (options.spacing) {
     if (!options.spacing->allFinite() || !(options.spacing->minCoeff() > 0.0)) {
-      throw UsageError("--spacing must be three positive lengths in mm");
+      throw SettingError("bad value", "spacing", "must be three positive lengths in mm");
     }
     source.header.grid.spacing = *options.spacing;
     if (!source.header.spacing_known) {
@@ -177,7 +177,7 @@ void append_grey(const VoxelBlock& block, double slope, double intercept, Volume
 template <class T>
 void append_labels(const VoxelBlock& block, double slope, double intercept, const fs::path& path,
                    std::vector<std::int32_t>& labels) {
-  // Resampling and scaling leave float noise such as 1.99999994; anything beyond is no label.
+  // Resampling and scaling leave float noise such as 1.99999994; anything beyond is not a label.
   constexpr double whole_within = 1e-3;
   const bool scaled = slope != 1.0 || intercept != 0.0;
   for (std::size_t i = 0; i < block.count; ++i) {

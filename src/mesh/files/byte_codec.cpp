@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 
 namespace pellicle::mesh_formats {
 
@@ -67,7 +67,7 @@ std::string zlib_compress(std::string_view bytes) {
 }
 
 bool zlib_expand(std::string_view packed, std::size_t size, std::string& bytes) {
-  // Deflate gains at most 1032 : 1, so a larger claim is no data and nothing is allocated for it.
+  // Deflate gains at most 1032 : 1, so a larger claim is wrong and nothing is allocated for it.
   if (size > packed.size() * 1040 + 64) return false;
   bytes.assign(size, '\0');
   z_stream stream{};

@@ -9,7 +9,7 @@
 
 #include "pellicle/base/atomic_file.h"
 #include "pellicle/base/errors.h"
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {
@@ -58,6 +58,13 @@ std::string_view TextCursor::next_word() {
   return word;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return out;
+}
+
 bool parse_number(std::string_view word, double& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -68,13 +75,8 @@ bool parse_number(std::string_view word, double& value) {
 
 namespace {
 
+using mesh_formats::lower_case;
 using mesh_formats::Source;
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string whole_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

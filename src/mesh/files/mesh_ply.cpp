@@ -7,7 +7,7 @@
 #include <cstring>
 #include <optional>
 
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 
 namespace pellicle::mesh_formats {
 

@@ -1,4 +1,4 @@
-// STL, ascii and binary. It knows no shared vertices: equal positions are merged on reading.
+// STL, ascii and binary. The format has no common vertices: equal positions are merged on reading.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 
 namespace pellicle::mesh_formats {
 
@@ -26,7 +26,7 @@ void append_u32(std::string& out, std::uint32_t value) {
   for (int i = 0; i < 4; ++i) out += static_cast<char>(value >> (8 * i) & 255U);
 }
 
-// Corners three a facet -> shared vertices in order of first use; facets that lost their area to merging go.
+// Three corners per facet -> common vertices in order of first use; facets that lost their area to merging go.
 TriangleMesh merged(const std::vector<Vec3>& corners) {
   std::vector<std::uint32_t> order(corners.size());
   std::iota(order.begin(), order.end(), 0U);

@@ -3,7 +3,7 @@
 
 #include <iterator>
 
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 
 namespace pellicle::mesh_formats {
 
@@ -20,7 +20,7 @@ Vec3 read_vector(const Source& source, TextCursor& words, std::size_t line) {
 // "7", "7/2", "7//3", "7/2/3"; negative counts back from the last. -1 where there is none.
 int obj_index(const Source& source, std::string_view word, std::size_t count, std::size_t line) {
   double value = 0.0;
-  if (!parse_number(word, value)) fail(source, fmt::format("line {}: '{}' is no corner", line, word.substr(0, 40)));
+  if (!parse_number(word, value)) fail(source, fmt::format("line {}: '{}' is not a corner", line, word.substr(0, 40)));
   return checked_index(source, value < 0.0 ? static_cast<double>(count) + value : value - 1.0, count);
 }
 
@@ -140,7 +140,7 @@ TriangleMesh read_off(const Source& source) {
     words = TextCursor(line);
     double corners = 0.0;
     if (!parse_number(words.next_word(), corners) || !(corners >= 0.0 && corners <= static_cast<double>(line.size())))
-      fail(source, fmt::format("line {} is no facet", number));
+      fail(source, fmt::format("line {} is not a facet", number));
     polygon.clear();
     for (std::size_t i = 0; i < static_cast<std::size_t>(corners); ++i) {
       double index = -1.0;

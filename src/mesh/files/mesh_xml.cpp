@@ -8,7 +8,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "pellicle/mesh/files/mesh_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
 
 namespace pellicle::mesh_formats {
 

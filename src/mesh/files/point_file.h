@@ -2,28 +2,10 @@
 /// Files of points without facets: .xyz, .pts, .csv, .pcd and .ply. Coordinates are LPS mm as they stand.
 
 #include <filesystem>
-#include <optional>
-#include <vector>
 
-#include "pellicle/base/geometry.h"
+#include "pellicle/mesh/points/point_cloud.h"
 
 namespace pellicle {
-
-/// Points on a grid of parameters (u, v): what a tensor-product surface interpolates.
-struct PointGrid {
-  int columns = 0;           ///< along u, k = 0..columns-1
-  int rows = 0;              ///< along v, l = 0..rows-1
-  std::vector<Vec3> points;  ///< k fastest
-  const Vec3& at(int k, int l) const {
-    return points[static_cast<std::size_t>(l) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(k)];
-  }
-};
-
-struct PointCloud {
-  std::vector<Vec3> points;
-  std::vector<double> weights;    ///< one a point, >= 0; empty: all alike
-  std::optional<PointGrid> grid;  ///< of a .csv with columns u_index,v_index (or k,l)
-};
 
 /// Whether a file holds points and no facets: by extension, and for .ply by its header.
 bool is_point_file(const std::filesystem::path& path);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "pellicle/mesh/files/mesh_formats.h"
-#include "pellicle/mesh/files/point_formats.h"
+#include "pellicle/mesh/files/internal/mesh_formats.h"
+#include "pellicle/mesh/files/internal/point_formats.h"
 
 namespace pellicle::point_formats {
 
@@ -38,7 +38,7 @@ std::vector<std::string_view> rest_of(TextCursor& words) {
 std::size_t count_in(const Source& source, std::string_view word, const char* key) {
   double value = -1.0;
   if (!parse_number(word, value) || !(value >= 0.0 && value < 1e12) || value != std::floor(value)) {
-    fail(source, fmt::format("its {} is no whole number", key));
+    fail(source, fmt::format("its {} is not a whole number", key));
   }
   return static_cast<std::size_t>(value);
 }
@@ -138,12 +138,80 @@ void add(const Source& source, const Vec3& x, PointCloud& cloud) {
   cloud.points.push_back(x);
 }
 
+using Xyz = std::array<const Field*, 3>;
+
+PointCloud read_ascii(const Source& source, const PcdHeader& header, const Xyz& xyz, TextCursor& lines) {
+  std::size_t columns = 0;
+  std::array<std::size_t, 3> column{};
+  for (const Field& field : header.fields) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (xyz[a] == &field) column[a] = columns;
+    }
+    columns += field.count;
+  }
+  PointCloud cloud;
+  std::string_view line;
+  std::size_t found = 0;
+  while (found < header.points && lines.next_line(line)) {
+    TextCursor words(line);
+    const auto values = rest_of(words);
+    if (values.empty()) continue;
+    if (values.size() != columns) {
+      fail(source, fmt::format("point {} has {} columns, {} are due", found, values.size(), columns));
+    }
+    Vec3 x;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!parse_number(values[column[a]], x[static_cast<int>(a)])) {
+        fail(source, fmt::format("point {}: '{}' is not a number", found, values[column[a]].substr(0, 40)));
+      }
+    }
+    add(source, x, cloud);
+    ++found;
+  }
+  if (found < header.points)
+    fail(source, fmt::format("it claims {} points and holds {}; is it truncated?", header.points, found));
+  return cloud;
+}
+
+// The data of binary_compressed: packed and unpacked size, then LZF.
+std::string unpacked(const Source& source, std::string_view data) {
+  std::uint32_t sizes[2];
+  if (data.size() < sizeof sizes) fail(source, "the file ends before its data are complete");
+  std::memcpy(sizes, data.data(), sizeof sizes);
+  data.remove_prefix(sizeof sizes);
+  if (data.size() < sizes[0]) fail(source, "the file ends before its data are complete");
+  std::string expanded;
+  // LZF packs at most about 1 : 90.
+  if (sizes[1] / 100 > sizes[0] || !lzf_expand(data.substr(0, sizes[0]), sizes[1], expanded))
+    fail(source, "its compressed data are damaged");
+  return expanded;
+}
+
+/// \param by_field each field's values one after another, as in binary_compressed, else point by point.
+PointCloud read_binary(const Source& source, const PcdHeader& header, const Xyz& xyz, std::string_view data,
+                       bool by_field) {
+  if (header.record == 0 || header.points > data.size() / header.record) {
+    fail(source, fmt::format("it claims {} points, more than the file holds; is it truncated?", header.points));
+  }
+  PointCloud cloud;
+  for (std::size_t i = 0; i < header.points; ++i) {
+    Vec3 x;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t at =
+          by_field ? xyz[a]->offset * header.points + i * xyz[a]->size : i * header.record + xyz[a]->offset;
+      x[static_cast<int>(a)] = scalar_at(source, *xyz[a], data.data() + at);
+    }
+    add(source, x, cloud);
+  }
+  return cloud;
+}
+
 }  // namespace
 
 PointCloud read_pcd(const Source& source) {
   TextCursor lines(source.bytes);
   const PcdHeader header = read_pcd_header(source, lines);
-  std::array<const Field*, 3> xyz{};
+  Xyz xyz{};
   for (const Field& field : header.fields) {
     for (std::size_t a = 0; a < 3; ++a) {
       if (field.name == std::string(1, "xyz"[a])) xyz[a] = &field;
@@ -152,67 +220,12 @@ PointCloud read_pcd(const Source& source) {
   for (const Field* field : xyz) {
     if (field == nullptr || field->count != 1) fail(source, "its FIELDS lack x, y or z");
   }
-  PointCloud cloud;
-  std::string_view data = lines.rest();
-  if (header.data == "ascii") {
-    std::size_t columns = 0;
-    std::array<std::size_t, 3> column{};
-    for (const Field& field : header.fields) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (xyz[a] == &field) column[a] = columns;
-      }
-      columns += field.count;
-    }
-    std::string_view line;
-    std::size_t found = 0;
-    while (found < header.points && lines.next_line(line)) {
-      TextCursor words(line);
-      const auto values = rest_of(words);
-      if (values.empty()) continue;
-      if (values.size() != columns) {
-        fail(source, fmt::format("point {} has {} columns, {} are due", found, values.size(), columns));
-      }
-      Vec3 x;
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (!parse_number(values[column[a]], x[static_cast<int>(a)])) {
-          fail(source, fmt::format("point {}: '{}' is not a number", found, values[column[a]].substr(0, 40)));
-        }
-      }
-      add(source, x, cloud);
-      ++found;
-    }
-    if (found < header.points)
-      fail(source, fmt::format("it claims {} points and holds {}; is it truncated?", header.points, found));
-    return cloud;
-  }
-  const bool packed = header.data == "binary_compressed";
-  if (!packed && header.data != "binary")
+  if (header.data == "ascii") return read_ascii(source, header, xyz, lines);
+  if (header.data == "binary") return read_binary(source, header, xyz, lines.rest(), false);
+  if (header.data != "binary_compressed") {
     fail(source, fmt::format("DATA {} is not supported", header.data.substr(0, 40)));
-  std::string expanded;
-  if (packed) {
-    std::uint32_t sizes[2];
-    if (data.size() < sizeof sizes) fail(source, "the file ends before its data are complete");
-    std::memcpy(sizes, data.data(), sizeof sizes);
-    data.remove_prefix(sizeof sizes);
-    if (data.size() < sizes[0]) fail(source, "the file ends before its data are complete");
-    // LZF packs at most about 1 : 90.
-    if (sizes[1] / 100 > sizes[0] || !lzf_expand(data.substr(0, sizes[0]), sizes[1], expanded))
-      fail(source, "its compressed data are damaged");
-    data = expanded;
   }
-  if (header.record == 0 || header.points > data.size() / header.record) {
-    fail(source, fmt::format("it claims {} points, more than the file holds; is it truncated?", header.points));
-  }
-  for (std::size_t i = 0; i < header.points; ++i) {
-    Vec3 x;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::size_t at =
-          packed ? xyz[a]->offset * header.points + i * xyz[a]->size : i * header.record + xyz[a]->offset;
-      x[static_cast<int>(a)] = scalar_at(source, *xyz[a], data.data() + at);
-    }
-    add(source, x, cloud);
-  }
-  return cloud;
+  return read_binary(source, header, xyz, unpacked(source, lines.rest()), true);
 }
 
 }  // namespace pellicle::point_formats

@@ -1,4 +1,4 @@
-#include "pellicle/surface/normal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/normal_edge_rule.h"
 
 namespace pellicle {
 namespace {
@@ -115,7 +115,7 @@ void differentiate_edge(const EdgeEnds& in, PointNormal<double>& value, EdgeDeri
   derivative.p_n0 = 0.125 * (h.h0_n0 - h.h1_n0);
   derivative.p_n1 = 0.125 * (h.h0_n1 - h.h1_n1);
   if constexpr (with_normal) {
-    constexpr double a = chord_share<rule>, b = 0.5 * (a - 1);
+    constexpr double a = chord_factor<rule>, b = 0.5 * (a - 1);
     const Vec3 t = k.tangent(), m = k.mean_normal(in.n0, in.n1);
     const Vec3 raw = raw_normal<rule, double>(k.e, t, m, in.d);
     const double n2 = raw.squaredNorm();
@@ -174,7 +174,7 @@ void differentiate_edge(const EdgeEnds& in, PointNormal<double>& value, EdgeDeri
 template <EdgeRule rule, bool with_normal>
 void pull_back_edge(const EdgeEnds& in, const Vec3& bar_p, const Vec3& bar_n, const EdgeCotangents& bars) {
   const EdgeTerms<rule, double> k(in.p0, in.n0, in.p1, in.n1);
-  constexpr double a = chord_share<rule>, b = 0.5 * (a - 1);
+  constexpr double a = chord_factor<rule>, b = 0.5 * (a - 1);
   Vec3 bar_e = Vec3::Zero(), bar_h0 = 0.125 * bar_p, bar_h1 = -0.125 * bar_p;
   double bar_s0 = 0, bar_s1 = 0;
   if constexpr (with_normal) {

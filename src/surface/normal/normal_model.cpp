@@ -7,7 +7,7 @@
 #include <map>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/normal/triangle_refinement.h"
+#include "pellicle/surface/normal/internal/triangle_refinement.h"
 
 namespace pellicle {
 namespace {
@@ -119,7 +119,7 @@ Triangles facets_of(const std::vector<Vec3>& points) {
   return result;
 }
 
-/// Owners of what several patches share, and the samples on it.
+/// Owners of what belongs to several patches, and the samples on it.
 struct SharedSamples {
   std::vector<int> at_vertex;                            ///< sample of each control vertex, -1 while unknown
   std::map<DirectedEdge, std::vector<int>> inside_edge;  ///< from the lower to the higher control vertex
@@ -273,6 +273,22 @@ std::pair<NormalModel, Parameters> NormalModel::refine(const Parameters& paramet
   Triangles triangles;
   for (const auto& t : once.triangles) triangles.push_back({vertex_of[t[0]], vertex_of[t[1]], vertex_of[t[2]]});
   return {NormalModel(count, std::move(triangles), rule_, std::move(refined_reference)), std::move(refined)};
+}
+
+void NormalModel::place_on(const SampleLayout& layout, const SampleTargets& targets, Parameters& parameters) const {
+  for (int v = 0; v < vertex_count_; ++v) {
+    const auto at = 6 * static_cast<std::size_t>(v);
+    const Vec3 place(reference_[at], reference_[at + 1], reference_[at + 2]);
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < layout.reference.size(); ++i) {
+      if ((layout.reference[i] - place).squaredNorm() < (layout.reference[nearest] - place).squaredNorm()) nearest = i;
+    }
+    const double length = targets.area[nearest].norm();
+    for (int c = 0; c < 3; ++c) {
+      parameters[at + static_cast<std::size_t>(c)] = targets.x[nearest][c];
+      if (length > 0.0) parameters[at + 3 + static_cast<std::size_t>(c)] = targets.area[nearest][c] / length;
+    }
+  }
 }
 
 }  // namespace pellicle

@@ -1,5 +1,5 @@
 #pragma once
-/// Normal-based interpolating subdivision surfaces: a triangle control mesh, a point and a unit normal a vertex.
+/// Normal-based interpolating subdivision surfaces: a triangle control mesh, a point and a unit normal per vertex.
 /// Source: Romani, Badoual, Unser (edge rule after Aihua, Jie, Jun, Guiqing 2016), corrected as in docs/models.md: the
 /// `smooth` rule has continuous normals, the `published` rule is kept beside it.
 
@@ -58,6 +58,13 @@ class NormalModel {
   /// Control mesh split 1 -> 4, new points and normals on the present surface. Identical limit surface for `balanced`
   /// (and `published`); for `smooth` the limit moves slightly unless it is a sphere (docs/models.md): fit again after.
   std::pair<NormalModel, Parameters> refine(const Parameters& parameters) const;
+
+  /// Points and normals of the control mesh from the nearest samples of `layout` on the reference shape: vertices lie
+  /// on the surface. A normal stays where the targets have no area.
+  /// \pre the model and the layout have a reference shape; targets are one per sample.
+  void place_on(const SampleLayout& layout, const SampleTargets& targets, Parameters& parameters) const;
+  /// See bending_scale in surface.h.
+  static constexpr double kBendingScale = 0.002;
 
  private:
   int vertex_count_;

@@ -5,9 +5,9 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/base/parallel.h"
-#include "pellicle/surface/normal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/normal_edge_rule.h"
+#include "pellicle/surface/normal/internal/triangle_refinement.h"
 #include "pellicle/surface/normal/normal_model.h"
-#include "pellicle/surface/normal/triangle_refinement.h"
 
 namespace pellicle {
 namespace {

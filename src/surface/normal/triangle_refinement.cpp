@@ -1,4 +1,4 @@
-#include "pellicle/surface/normal/triangle_refinement.h"
+#include "pellicle/surface/normal/internal/triangle_refinement.h"
 
 namespace pellicle {
 namespace {

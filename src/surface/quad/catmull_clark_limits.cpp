@@ -1,4 +1,4 @@
-#include "pellicle/surface/quad/catmull_clark_limits.h"
+#include "pellicle/surface/quad/internal/catmull_clark_limits.h"
 
 #include <opensubdiv/far/patchTableFactory.h>
 #include <opensubdiv/far/stencilTableFactory.h>

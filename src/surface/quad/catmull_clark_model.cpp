@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/mesh/quad_subdivision.h"
-#include "pellicle/surface/control_fit.h"
-#include "pellicle/surface/gauss_legendre.h"
-#include "pellicle/surface/quad/catmull_clark_limits.h"
+#include "pellicle/mesh/quad/quad_subdivision.h"
+#include "pellicle/surface/internal/control_fit.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
+#include "pellicle/surface/quad/internal/catmull_clark_limits.h"
 
 namespace pellicle {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/model_json.h"
+#include "pellicle/surface/internal/model_json.h"
 
 namespace pellicle {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "pellicle/mesh/quad_mesh.h"
+#include "pellicle/mesh/quad/quad_mesh.h"
 #include "pellicle/surface/linear_stencils.h"
 #include "pellicle/surface/parameters.h"
 #include "pellicle/surface/samples.h"
@@ -19,7 +19,7 @@ struct QuadReference {
   bool sphere = false;  ///< they come near the unit sphere about the origin and stand for it: samples are projected
 };
 
-/// A control mesh that copies of a model share.
+/// A control mesh that all copies of a model use.
 struct QuadControl {
   QuadTopology topology;
   QuadReference reference;
@@ -41,7 +41,7 @@ class QuadGrid {
   int node(int quad, int i, int j) const;
   /// The same for (i, j) counted from a corner: i towards the next corner, j towards the one before.
   int node_from_corner(int quad, int corner, int i, int j) const;
-  /// Two triangles a cell, counter-clockwise, over the samples at the nodes.
+  /// Two triangles per cell, counter-clockwise, over the samples at the nodes.
   std::vector<std::array<int, 3>> triangles(const std::vector<int>& sample_of_node) const;
 
  private:

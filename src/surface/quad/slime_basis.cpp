@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/gauss_legendre.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
 
 namespace pellicle {
 namespace {
@@ -85,9 +85,9 @@ Net elevated(const Net& net, int n, int depth) {
     for (int i = 0; i < n; ++i) {
       int& exponent = label[static_cast<std::size_t>(i)];
       if (exponent == 0) continue;
-      const double share = exponent / (depth + 1.0);
+      const double part = exponent / (depth + 1.0);
       --exponent;
-      sum += share * net.at(label);
+      sum += part * net.at(label);
       ++exponent;
     }
     result.emplace(label, sum);
@@ -101,11 +101,11 @@ std::array<Row, kDepth + 1> elevated_curve(const std::array<Row, 3>& curve) {
   for (int degree = 2; degree < kDepth; ++degree) {
     std::vector<Row> next(points.size() + 1);
     for (int i = 0; i <= degree + 1; ++i) {
-      const double share = i / (degree + 1.0);
+      const double part = i / (degree + 1.0);
       const auto at = static_cast<std::size_t>(i);
       next[at] = Row::Zero(curve[0].size());
-      if (i > 0) next[at] += share * points[at - 1];
-      if (i <= degree) next[at] += (1 - share) * points[at];
+      if (i > 0) next[at] += part * points[at - 1];
+      if (i <= degree) next[at] += (1 - part) * points[at];
     }
     points = std::move(next);
   }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/control_fit.h"
+#include "pellicle/surface/internal/control_fit.h"
 
 namespace pellicle {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 /// "Slime": tangent-plane continuous generalised biquadratic B-splines of any genus over a closed quad control mesh, a
-/// point a vertex. Linear in the points; a patch a vertex, which depends on its neighbours alone.
+/// point per vertex. Linear in the points; one patch per vertex, which depends on its neighbours alone.
 /// Source: Stoddart, Hilton, Illingworth 1994; see slime_basis.h and docs/any-topology.md.
 
 #include <map>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pellicle/mesh/files/point_rows.h"
+#include "pellicle/mesh/quad/point_rows.h"
 #include "pellicle/surface/quad/quad_layout.h"
 #include "pellicle/surface/quad/slime_basis.h"
 
@@ -38,7 +38,7 @@ class SlimeModel {
   std::string name() const { return "slime"; }
   bool is_closed() const { return true; }
 
-  /// A patch a control vertex. Samples lie on the grid of the control quads, as for Catmull-Clark: level 0 has the
+  /// One patch per control vertex. Samples lie on the grid of the control quads, as for Catmull-Clark: level 0 has the
   /// middles of the patches, from level 1 on their borders are sampled, too.
   SampleLayout layout(int level) const;
   void evaluate(const Parameters& parameters, const SampleLayout& layout, bool with_jacobian,
@@ -64,12 +64,13 @@ class SlimeModel {
   std::shared_ptr<const std::map<int, SlimeBasis>> bases_;
 };
 
-/// Factor rows of the thin plate: sum_r |sum_k w_rk c_k|^2 = sum over the patches of int |S_uu|^2 + 2 |S_uv|^2 +
-/// |S_vv|^2 over regular polygons of unit edges, mm^2.
+/// Thin plate, the smoothness of Stoddart et al.; fits use the bending energy of energies/bending.h, which works for
+/// every model. For programs that compare the two, and for tests. Factor rows: sum_r |sum_k w_rk c_k|^2 = sum over the
+/// patches of int |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over regular polygons of unit edges, mm^2.
 PointRows thin_plate_rows(const SlimeModel& model);
 
-/// A row a vertex: the point less the mean of its neighbours (Stoddart et al., Section 4: their pull towards the mean
-/// and the reaction on the neighbours together are the gradient of half the rows' squares).
+/// One row per vertex: the point less the mean of its neighbours (Stoddart et al., Section 4: their pull towards the
+/// mean and the reaction on the neighbours together are the gradient of half the rows' squares).
 PointRows umbrella_rows(const QuadTopology& topology);
 
 }  // namespace pellicle

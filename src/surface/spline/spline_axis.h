@@ -28,7 +28,8 @@ class SplineAxis {
   int rows() const { return closed_ ? m_ : m_ + 3; }
   /// Of control point k = -1..m+1.
   int row(int k) const { return closed_ ? (k + m_) % m_ : k + 1; }
-  /// At t = knots / m. \pre 0 <= knots <= m, or any number when closed.
+  /// At t = knots / m.
+  /// \pre 0 <= knots <= m, or any number when closed.
   AxisWeights at(double knots) const;
 
  private:

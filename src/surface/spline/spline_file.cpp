@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/model_json.h"
+#include "pellicle/surface/internal/model_json.h"
 
 namespace pellicle {
 namespace {

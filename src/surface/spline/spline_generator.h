@@ -18,7 +18,8 @@ enum class SplineGenerator {
 /// is bounded and jumps at t = +-1, +-2 (the value from the inside of [0, 1) and [1, 2) is returned).
 class Generator {
  public:
-  /// \param m shifts a period, at least 3 (ignored by `keys`). \throws UsageError.
+  /// \param m shifts per period, at least 3 (ignored by `keys`).
+  /// \throws UsageError.
   Generator(SplineGenerator kind, int m);
   GeneratorValue at(double t) const;
   /// phi'(1) = -(pi/M)/sin(2 pi/M); -1/2 for `keys`.

@@ -1,6 +1,6 @@
 #include "pellicle/surface/spline/spline_gram.h"
 
-#include "pellicle/surface/gauss_legendre.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
 
 namespace pellicle {
 

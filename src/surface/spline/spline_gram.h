@@ -9,14 +9,15 @@
 namespace pellicle {
 
 /// G(i, j) = int_0^1 B_i B_j dt of one direction's basis functions B_i(t) = phi(m t - k): periodic when closed, cut off
-/// at 0 and 1 when open. Exact to rounding (Gauss-Legendre, 8 points an interval). Symmetric, positive definite.
+/// at 0 and 1 when open. Exact to rounding (Gauss-Legendre, 8 points per interval). Symmetric, positive definite.
 Eigen::MatrixXd gram_matrix(const SplineAxis& axis);
 
 /// Of the blocks: <a, b> = sum over x, y, z of a_axis . G b_axis, entries in the order of blocks(). Symmetric, positive
 /// definite: the metric of minimum-energy deformations.
 Eigen::MatrixXd gram_matrix(const SplineModel& model);
 
-/// Without that matrix. \throws BadData for parameters of another size.
+/// Without that matrix.
+/// \throws BadData for parameters of another size.
 double inner_product(const SplineModel& model, const Parameters& a, const Parameters& b);
 
 }  // namespace pellicle

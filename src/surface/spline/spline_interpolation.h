@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "pellicle/mesh/files/point_file.h"
+#include "pellicle/mesh/points/point_cloud.h"
 #include "pellicle/surface/spline/spline_model.h"
 
 namespace pellicle {

@@ -90,7 +90,8 @@ class SplineModel {
   /// and the slopes at open borders kept. Exact for ellipsoids (and elliptic tori); otherwise an interpolation whose
   /// error falls with the third power of the spacing of the control points (docs/models.md).
   std::pair<SplineModel, Parameters> refine(const Parameters& parameters) const;
-  /// The same with numbers of control points of one's choice. \throws UsageError naming the size and its least value.
+  /// The same with numbers of control points of one's choice.
+  /// \throws UsageError naming the size and its least value.
   std::pair<SplineModel, Parameters> resampled(const Parameters& parameters, int m1, int m2) const;
   /// How often a start model was refined to have about so many control points.
   int refinements() const;
@@ -106,7 +107,8 @@ SplineModel start_spline(SplineTopology topology);
 
 /// The same sphere-like surface, parameterised anew so that its poles lie where `axis` (and its opposite) of the
 /// reference sphere were: control points on the present surface there, pole tangents from its derivatives. Exact for
-/// ellipsoids, otherwise as near as refine(). \throws UsageError for other topologies, or an axis of length zero.
+/// ellipsoids, otherwise as near as refine().
+/// \throws UsageError for other topologies, or an axis of length zero.
 Parameters place_poles(const SplineModel& model, const Parameters& parameters, const Vec3& axis);
 
 }  // namespace pellicle

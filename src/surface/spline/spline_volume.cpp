@@ -3,7 +3,7 @@
 #include <map>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/surface/gauss_legendre.h"
+#include "pellicle/surface/internal/gauss_legendre.h"
 
 namespace pellicle {
 namespace {

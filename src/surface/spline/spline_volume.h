@@ -1,6 +1,8 @@
 #pragma once
 /// Volume enclosed by a closed spline surface, and its gradient. Source: Schmitter, Garcia-Amorena, Unser 2017,
-/// Eqs. (17)-(22), with the sign that makes the volume of the sphere positive (docs/models.md).
+/// Eqs. (17)-(22), with the sign that makes the volume of the sphere positive (docs/models.md). Fits take volumes from
+/// the sample mesh (energies/volume.h), which works for every model; this is the exact value for other programs that
+/// use the library, and what the tests hold dense meshes against.
 
 #include <vector>
 
@@ -15,11 +17,14 @@ namespace pellicle {
 /// 1e-7; each 100 times less with 8.
 class SplineVolume {
  public:
-  /// \param points a knot interval and direction. \throws UsageError for open surfaces.
+  /// \param points per knot interval and direction.
+  /// \throws UsageError for open surfaces.
   explicit SplineVolume(const SplineModel& model, int points = 6);
-  /// mm^3. \throws BadData for parameters of another size.
+  /// mm^3.
+  /// \throws BadData for parameters of another size.
   double value(const Parameters& parameters) const;
-  /// Also adds dV/dparameters to `gradient`, mm^2. \pre gradient.size() == parameters.size()
+  /// Also adds dV/dparameters to `gradient`, mm^2.
+  /// \pre gradient.size() == parameters.size()
   double value_and_gradient(const Parameters& parameters, std::vector<double>& gradient) const;
 
  private:
@@ -33,7 +38,7 @@ class SplineVolume {
 
 /// The same as a trilinear form of the control points, Eqs. (21), (22):
 ///   V = s sum x_i y_j z_k T_ijk,   T = D_u[i,j,k] E_v[i,j,k] - E_u[i,j,k] D_v[i,j,k],
-/// where D[i,j,k] = int B_i B_j' B_k and E[i,j,k] = int B_i B_j B_k' are tables of one direction each, 37 entries a
+/// where D[i,j,k] = int B_i B_j' B_k and E[i,j,k] = int B_i B_j B_k' are tables of one direction each, 37 entries per
 /// control point. Exact to rounding, and slower than the quadrature (docs/models.md).
 class SplineVolumeForm {
  public:
