@@ -14,7 +14,8 @@
 
 namespace pellicle {
 
-/// Two or three vector rows a sample; weight 1. \pre layout.reference is filled.
+/// Two or three vector rows per sample; weight 1.
+/// \pre layout.reference is filled.
 VectorRows bending_rows(const SampleLayout& layout);
 
 }  // namespace pellicle

@@ -142,7 +142,7 @@ std::optional<double> tails_of(const Profile& p, double cut, double a, double b,
   for (int k = at - width; k <= at + width; ++k) {
     const double value = (static_cast<double>(p.value[static_cast<std::size_t>(k)]) - b) / (a - b);
     const double beyond = k - kSide - cut;
-    // The step lies between two points: a linear share of its place keeps the sum free of jumps.
+    // The step lies between two points: taking it linearly between them keeps the sum free of jumps.
     const double step = std::clamp(0.5 - beyond, 0.0, 1.0);
     sum += beyond < 0.0 ? step - value : value - step;
   }

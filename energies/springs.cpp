@@ -79,9 +79,9 @@ ScalarRows spring_rows(const SampleLayout& layout, const std::vector<Vec3>& poin
     add(a.normal, root);
     if (sliding_fraction > 0.0) {
       const Vec3 t1 = a.normal.unitOrthogonal(), t2 = a.normal.cross(t1);
-      const double share = root * std::sqrt(sliding_fraction);
-      add(t1, share);
-      add(t2, share);
+      const double sliding = root * std::sqrt(sliding_fraction);
+      add(t1, sliding);
+      add(t2, sliding);
     }
   }
   return rows;

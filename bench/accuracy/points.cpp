@@ -6,10 +6,10 @@
 #include "pellicle/fit/expert_points.h"
 #include "pellicle/image/files/volume_file.h"
 #include "pellicle/image/reorder.h"
+#include "pellicle/job/seeds.h"
 #include "pellicle/mask/overlap.h"
 #include "pellicle/mask/parts.h"
 #include "pellicle/mesh/distance.h"
-#include "pellicle/output/seed_files.h"
 #include "pellicle/raster/rasterize.h"
 #include "sections.h"
 

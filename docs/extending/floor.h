@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "pellicle/energies/geometry.h"
-#include "pellicle/energies/rows.h"
+#include "pellicle/energies/energy_kind.h"
+#include "pellicle/energies/term.h"
 
 namespace pellicle {
 
@@ -18,17 +18,22 @@ struct Plane {
 
 /// A row r = root (normal . x_i - normal . point) for every sample that is beyond now. Rows hold twice E, because half
 /// their sum of squares is the energy.
-inline ScalarRows floor_rows(const std::vector<Vec3>& x, const std::vector<double>& area, const Plane& plane,
-                             double weight) {
-  const double total = sum(area);
+inline ScalarRows floor_rows(const SampleView& surface, const Plane& plane, double weight) {
   ScalarRows rows;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (plane.normal.dot(x[i] - plane.point) <= 0.0) continue;
-    const double root = std::sqrt(2.0 * weight * area[i] / total);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (plane.normal.dot(surface.x[i] - plane.point) <= 0.0) continue;
+    const double root = std::sqrt(2.0 * weight * surface.area[i] / surface.total_area);
     rows.add(static_cast<int>(i), root * plane.normal);
     rows.close(root * plane.normal.dot(plane.point));
   }
   return rows;
 }
+
+/// What a stage asks in each step. The plane is the axial one through the origin, and the forbidden side is below it.
+struct FloorTerm {
+  TermOutput operator()(const StepView& step) const { return {floor_rows(step.surface, plane, step.weight)}; }
+
+  Plane plane{Vec3(0, 0, 0), Vec3(0, 0, -1)};
+};
 
 }  // namespace pellicle

@@ -59,7 +59,8 @@ LevelFit::LevelFit(const Surface& start, const GeometryData& data, const PointFi
       hold_out_(hold_out),
       surface_(start),
       layout_(fit_layout(start.model)),
-      fine_(layout_of(start.model, measuring_level(start.model))) {
+      fine_(layout_of(start.model, measuring_level(start.model))),
+      solver_(surface_.model, layout_, Solver::least_squares, 1e4) {
   stiffening_.assign(layout_.patches.size(), 1.0);
   if (!layout_.reference.empty()) bending_ = coarse_bending(start.model, layout_);
   if (data.surface) {
@@ -140,8 +141,7 @@ double LevelFit::rms_of(const std::vector<Attachment>& at, const std::vector<dou
 
 // Bending with the weight of this model times `factor`, and more where it would fold.
 void LevelFit::set_bending(double factor) {
-  linear_.reset();
-  operators_.clear();
+  std::vector<GroupedOperator> operators;
   if (bending_.rows.size() > 0) {
     VectorRows rows = bending_.rows;
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -150,18 +150,16 @@ void LevelFit::set_bending(double factor) {
       const double stiffening = std::sqrt(stiffening_[static_cast<std::size_t>(patch)]);
       for (std::size_t k = begin; k < end; ++k) rows.coefficient[k] *= stiffening;
     }
-    operators_.push_back(grouped_operator("bending", factor * settings_.smoothness * bending_weight(surface_.model),
-                                          std::move(rows), layout_));
+    operators.push_back(grouped_operator("bending", factor * settings_.smoothness * bending_weight(surface_.model),
+                                         std::move(rows), layout_));
   }
-  if (layout_.stencils) {
-    linear_ = std::make_unique<LinearSystem>(layout_, surface_.parameters.size() / 3, operators_);
-  }
+  solver_.set_operators(std::move(operators));
 }
 
 StepOutcome LevelFit::solve(std::vector<NamedRows> rows) {
-  const StepProblem problem{&surface_.model, &layout_, &operators_, std::move(rows), {}, linear_.get()};
   Parameters before = surface_.parameters;
-  StepOutcome outcome = solve_step(problem, Solver::least_squares, 6, trust_, surface_.parameters);
+  solver_.set_pulls(std::move(rows));
+  StepOutcome outcome = solver_.step(6, 0, surface_.parameters);
   if (!outcome.usable) surface_.parameters = std::move(before);
   iterations_ += outcome.iterations;
   return outcome;
@@ -177,7 +175,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
   const auto pulled = [&](double factor) {
     observer_.check_stopped();
     set_bending(factor);
-    for (int k = 0; k < (linear_ ? 1 : 3); ++k) {
+    for (int k = 0; k < (solver_.has_closed_form() ? 1 : 3); ++k) {
       if (!solve(pull).usable) break;
     }
   };
@@ -186,7 +184,7 @@ void LevelFit::to_targets(const std::vector<Vec3>& targets) {
     factor *= kRatio;
     pulled(factor);
     cut_ = cuts_of(surface_.parameters).pairs > 0;
-  } while (cut_ && factor < kStiffest && !operators_.empty());
+  } while (cut_ && factor < kStiffest && !solver_.operators().empty());
   while (!cut_ && factor > 1.0) {
     factor /= kRatio;
     const Parameters before = surface_.parameters;

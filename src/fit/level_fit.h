@@ -7,7 +7,7 @@
 #include "pellicle/energies/springs.h"
 #include "pellicle/fit/point_fit.h"
 #include "pellicle/mesh/points/point_tree.h"
-#include "pellicle/solve/linear_system.h"
+#include "pellicle/solve/step_solver.h"
 
 namespace pellicle {
 
@@ -72,8 +72,7 @@ class LevelFit {
   SampleLayout layout_, fine_;  ///< of the springs; finer, to look for cuts
   std::vector<Vec3> anchors_;   ///< where samples are drawn along the surface; empty: where they are
   CoarseBending bending_;
-  std::vector<GroupedOperator> operators_;
-  std::unique_ptr<LinearSystem> linear_;  ///< of models that are linear in their control points
+  StepSolver solver_;
   std::unique_ptr<ClosestPoint> data_surface_;
   std::unique_ptr<PointTree> cloud_;      ///< chosen points with weight, where they alone are the data
   double reach_ = 0.0;                    ///< mm; what is further from them is beyond them
@@ -82,7 +81,7 @@ class LevelFit {
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
   std::vector<double> emphasis_;  ///< one a chosen point, >= 1 (bound_residuals); empty: 1 each
-  double total_weight_ = 0.0, trust_ = 1e4;
+  double total_weight_ = 0.0;
   double deviation_ = 1e-4;         ///< least robust deviation, of the diameter
   std::vector<double> stiffening_;  ///< one a patch, >= 1, times the bending there
   std::vector<bool> folding_;       ///< patches that the last step folded

@@ -12,7 +12,6 @@
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
-#include "pellicle/solve/objective.h"
 
 namespace pellicle {
 
@@ -71,8 +70,8 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {
   if (layout.reference.empty()) throw BadData("fit (model): it has no reference shape to lay out; start from a solid");
   std::vector<GroupedOperator> operators;
   operators.push_back(grouped_operator("bending", bending_weight(probe), coarse_bending(probe, layout).rows, layout));
-  std::unique_ptr<LinearSystem> linear;
-  if (layout.stencils) linear = std::make_unique<LinearSystem>(layout, blocks_of(probe).size(), operators);
+  StepSolver solver(probe, layout, Solver::least_squares, 1e4);
+  solver.set_operators(std::move(operators));
   Correspondence best{map, Mat3::Identity()};
   double least = -1.0;
   // Thirteen axes, towards faces, edges and corners of a cube: a code above 13 is one of these turned round.
@@ -82,13 +81,13 @@ Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe) {
     const Mat3 rotation = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
     const std::vector<Vec3> targets = targets_at(layout, map, rotation);
     Surface surface{probe, start_at_targets(probe, layout, targets)};
-    StepProblem problem{&surface.model, &layout, &operators, {}, {}, linear.get()};
-    problem.rows.push_back({"targets", target_rows(targets, sample_areas(layout, targets), 1.0)});
-    double trust = 1e4;
-    solve_step(problem, Solver::least_squares, 5, trust, surface.parameters);
+    solver.set_trust_radius(1e4);
+    const std::vector<NamedRows> pull{{"targets", target_rows(targets, sample_areas(layout, targets), 1.0)}};
+    solver.set_pulls(pull);
+    solver.step(5, 0, surface.parameters);
     SurfaceSamples samples;
     evaluate(surface.model, surface.parameters, layout, false, samples);
-    const double energy = problem.rows[0].energy(samples.x);
+    const double energy = pull[0].energy(samples.x);
     if (std::isfinite(energy) && (least < 0.0 || energy < least)) {
       least = energy;
       best.map_from_reference = rotation;

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/energy_kinds.h"
@@ -15,14 +16,13 @@
 #include "pellicle/energies/term.h"
 #include "pellicle/solve/dynamics.h"
 #include "pellicle/solve/hold_out.h"
-#include "pellicle/solve/linear_system.h"
-#include "pellicle/solve/objective.h"
+#include "pellicle/solve/step_solver.h"
 
 namespace pellicle {
 
 namespace {
 
-/// The outline that pulls of the image are believed near; further off they have no weight.
+/// Targets of samples that lie further from the outline than the limit allows get no weight.
 void keep_within(const SearchLimit& limit, const SampleView& surface, NormalTargets& targets) {
   parallel_for(targets.weight.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -32,8 +32,8 @@ void keep_within(const SearchLimit& limit, const SampleView& surface, NormalTarg
 }
 
 /// The same without what the motion adds.
-std::map<std::string, double> energies_of_surface(const StepProblem& problem, const std::vector<Vec3>& x) {
-  std::map<std::string, double> energies = energies_at(problem, x);
+std::map<std::string, double> energies_of_surface(const StepSolver& solver, const std::vector<Vec3>& x) {
+  std::map<std::string, double> energies = solver.energies(x);
   energies.erase("motion");
   return energies;
 }
@@ -69,14 +69,13 @@ class StageRun {
   double area_now() const;
   void prepare();
   void make_terms();
-  void add_operators(const SampledSurface& g);
+  void make_solver(const SampledSurface& g);
   void keep_frame(int step, bool last);
   SampledSurface sampled() const { return {geometry_->layout, state_.surface, &geometry_->graph, geometry_->coarse}; }
   void ask_terms(const SampledSurface& g, int step);
   void take(const Term& term, const SampleView& surface, NormalTargets targets);
   void take(const Term& term, const SampleView& surface, PointTargets targets);
   void measure(const Term& term, const SampleView& surface, NormalTargets& targets);
-  StepOutcome solve(const SampledSurface& g);
   bool healthy(const SampledSurface& g);
   bool failed(FitStatus status, const std::string& reason) {
     state_.status = status;
@@ -94,17 +93,17 @@ class StageRun {
   StageOutcome out_;
   double h_in_, h_ = 1.0, smoothing_mm_ = 0.0, reach_ = 0.0, first_contrast_ = 0.0, rms_ = -1.0;
   double delay_ = 1.0;  ///< by how much slower a surface with mass and damping follows (dynamics.h); else 1
-  double tolerance_mm_ = 0.0, trust_radius_ = 1e3;
+  double tolerance_mm_ = 0.0;
   int max_steps_ = 0, resting_ = 0;
   bool searching_ = false, ended_ = false;
   double held_out_energy_ = 0.0;  ///< mm^2, weighted, of the samples left out
   PointDistances points_ = {};
   const StageGeometry* geometry_ = nullptr;
   std::vector<Term> terms_;
-  std::vector<GroupedOperator> operators_;
-  std::optional<LinearSystem> linear_;
+  std::optional<StepSolver> solver_;
   std::optional<WorkingImage> image_;
-  StepProblem problem_;
+  std::vector<NamedRows> rows_;        ///< of the step
+  std::vector<ScalarEnergy> scalars_;  ///< of the step
   std::optional<SampledSurface> now_;
   std::vector<Vec3> before_;  ///< samples a time step ago
 };
@@ -157,22 +156,19 @@ void StageRun::make_terms() {
   std::stable_sort(terms_.begin(), terms_.end(), [](const Term& a, const Term& b) { return a.turn < b.turn; });
 }
 
-// Before the closed form, which is made of them.
-void StageRun::add_operators(const SampledSurface& g) {
+void StageRun::make_solver(const SampledSurface& g) {
+  std::vector<GroupedOperator> operators;
   for (const auto& [kind, weight] : weights_) {
     if (weight == 0.0 || kind->constant == nullptr) continue;
-    operators_.push_back(
+    operators.push_back(
         grouped_operator(std::string(kind->name), weight, geometry_->constant_rows(*kind), geometry_->layout));
   }
-  const bool dynamic = stage_.solver == Solver::dynamic;
-  if (dynamic) {
+  if (stage_.solver == Solver::dynamic) {
     delay_ = delay(stage_.motion);
-    operators_.push_back(motion_operator(stage_.motion, g.area(), g.x(), geometry_->layout));
+    operators.push_back(motion_operator(stage_.motion, g.area(), g.x(), geometry_->layout));
   }
-  if (geometry_->layout.stencils && (dynamic || stage_.solver == Solver::least_squares)) {
-    linear_.emplace(geometry_->layout, state_.surface.parameters.size() / 3, operators_);
-  }
-  problem_ = {&state_.surface.model, &geometry_->layout, &operators_, {}, {}, linear_ ? &*linear_ : nullptr};
+  solver_.emplace(state_.surface.model, geometry_->layout, stage_.solver, 1e3);
+  solver_->set_operators(std::move(operators));
 }
 
 void StageRun::keep_frame(int step, bool last) {
@@ -201,8 +197,6 @@ void StageRun::ask_terms(const SampledSurface& g, int step) {
   if (stage_.solver == Solver::gradient && !state_.reading.ridge && !state_.reading.similarity) {
     estimate_levels(view, state_.levels);
   }
-  problem_.rows.clear();
-  problem_.scalars.clear();
   searching_ = false;
   held_out_energy_ = 0.0;
   for (Term& term : terms_) {
@@ -215,17 +209,17 @@ void StageRun::ask_terms(const SampledSurface& g, int step) {
     if (auto* targets = std::get_if<NormalTargets>(&answer.pull)) take(term, view.surface, std::move(*targets));
     if (auto* targets = std::get_if<PointTargets>(&answer.pull)) take(term, view.surface, std::move(*targets));
     if (auto* rows = std::get_if<ScalarRows>(&answer.pull)) {
-      problem_.rows.push_back({std::string(term.kind->name), std::move(*rows)});
+      rows_.push_back({std::string(term.kind->name), std::move(*rows)});
     }
     if (auto* value = std::get_if<ScalarValue>(&answer.pull)) {
-      problem_.scalars.push_back({std::string(term.kind->name), std::move(*value)});
+      scalars_.push_back({std::string(term.kind->name), std::move(*value)});
     }
   }
 }
 
 void StageRun::take(const Term& term, const SampleView& surface, NormalTargets targets) {
   if (term.kind->traits.localises) measure(term, surface, targets);
-  problem_.rows.push_back({std::string(term.kind->name), offset_rows(surface, targets, term.weight)});
+  rows_.push_back({std::string(term.kind->name), offset_rows(surface, targets, term.weight)});
 }
 
 // Outliers are weighed as measured, before known errors of the measurement are corrected.
@@ -250,13 +244,7 @@ void StageRun::take(const Term& term, const SampleView& surface, PointTargets ta
   if (out_.held_out_points >= 0.0) {
     out_.held_out_rms = std::sqrt(held_out_energy_ + term.weight * out_.held_out_points);
   }
-  problem_.rows.push_back({std::string(term.kind->name), spring_rows(surface.layout, targets, term.weight)});
-}
-
-StepOutcome StageRun::solve(const SampledSurface& g) {
-  const bool gradient = stage_.solver == Solver::gradient || !problem_.scalars.empty();
-  if (stage_.solver == Solver::dynamic) aim_motion(stage_.motion, g.x(), before_, operators_.back());
-  return solve_step(problem_, stage_.solver, gradient ? 60 : 8, trust_radius_, state_.surface.parameters);
+  rows_.push_back({std::string(term.kind->name), spring_rows(surface.layout, targets, term.weight)});
 }
 
 bool StageRun::healthy(const SampledSurface& g) {
@@ -290,13 +278,15 @@ void StageRun::advance(int step) {
   StageSummary& summary = out_.summary;
   image_->cover(now_->x());
   ask_terms(*now_, step);
-  if (step == 0) summary.energy_before = energies_of_surface(problem_, now_->x());
-  const StepOutcome outcome = solve(*now_);
+  solver_->set_pulls(std::exchange(rows_, {}), std::exchange(scalars_, {}));
+  if (step == 0) summary.energy_before = energies_of_surface(*solver_, now_->x());
+  if (stage_.solver == Solver::dynamic) aim_motion(stage_.motion, now_->x(), before_, solver_->last_operator());
+  const StepOutcome outcome = solver_->step(8, 60, state_.surface.parameters);
   summary.solver_iterations += outcome.iterations;
   ++summary.steps;
   SampledSurface next = sampled();
   summary.last_move_mm = mean_normal_move(*now_, next);
-  summary.history.push_back({summary.last_move_mm, energies_of_surface(problem_, next.x())});
+  summary.history.push_back({summary.last_move_mm, energies_of_surface(*solver_, next.x())});
   before_ = now_->x();
   now_ = std::move(next);
   if (!outcome.usable || !healthy(*now_)) {
@@ -322,7 +312,7 @@ StageOutcome StageRun::run() {
   summary.degrees_of_freedom = degrees_of_freedom(state_.surface.model);
   summary.samples = geometry_->layout.sample_count();
   now_ = sampled();
-  add_operators(*now_);
+  make_solver(*now_);
   max_steps_ = stage_.max_steps;
   tolerance_mm_ = stage_.tolerance * h_;
   before_ = now_->x();  // every stage starts at rest
@@ -332,7 +322,7 @@ StageOutcome StageRun::run() {
     advance(step);
   }
   summary.energy_after =
-      summary.history.empty() ? energies_of_surface(problem_, now_->x()) : summary.history.back().energies;
+      summary.history.empty() ? energies_of_surface(*solver_, now_->x()) : summary.history.back().energies;
   summary.rms_residual_mm = rms_;
   out_.error = std::max(rms_, points_.count > 0 ? points_.rms_mm : -1.0);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

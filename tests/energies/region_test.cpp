@@ -183,7 +183,7 @@ TEST(Crossing, is_where_the_profile_falls_below_the_share_of_the_brightest) {
   const std::size_t n = graph.start.size() - 1;
   const Profiles p =
       profiles_of(n, 12, 8, 0.5, [](std::size_t, double s) { return s > 6.0 ? 120.0 : ramp(s, 3.0, 3.0, 100, 10); });
-  const CrossingSettings settings{.share = 0.66, .depth = 12, .reach = 8, .cap = 6};
+  const CrossingSettings settings{.fraction = 0.66, .depth = 12, .reach = 8, .cap = 6};
   const NormalTargets t = crossing_targets(p, graph, kTissue, settings);
   const double exact = 1.5 + 3.0 * (100 - 66) / 90.0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -10,6 +10,8 @@
 #include "extending/ellipsoid_model.h"
 #include "extending/floor.h"
 #include "pellicle/base/random.h"
+#include "pellicle/energies/energy_kinds.h"
+#include "pellicle/fit/stage.h"
 #include "pellicle/surface/surface.h"
 
 namespace pellicle {
@@ -39,11 +41,10 @@ SurfaceSamples samples_at(const Parameters& p, const SampleLayout& layout, bool 
   return samples;
 }
 
-double floor_energy(const Parameters& p, const SampleLayout& layout, const std::vector<double>& area,
-                    const Plane& plane) {
-  const std::vector<Vec3> x = samples_at(p, layout).x;
-  return energy_of(floor_rows(x, area, plane, 0.7), x);
-}
+/// The row of docs/extending.md as it stands in the table of energies.
+constexpr EnergyKind kMine[] = {
+#include "extending/floor_row.inc"
+};
 
 TEST(Floor, sphere_cut_in_half_has_a_sixth_of_its_squared_radius) {
   RandomEngine random(1);
@@ -52,12 +53,12 @@ TEST(Floor, sphere_cut_in_half_has_a_sixth_of_its_squared_radius) {
     const double radius = random.uniform(2.0, 30.0);
     const Vec3 centre(random.uniform(-99, 99), random.uniform(-99, 99), random.uniform(-99, 99));
     Parameters p{centre[0], centre[1], centre[2], radius, 0, 0, 0, radius, 0, 0, 0, radius};
-    const std::vector<Vec3> x = samples_at(p, layout).x;
-    const std::vector<double> area = sample_areas(layout, x);
+    const SampledSurface sphere(layout, samples_at(p, layout));
     const Plane plane{centre, random_direction(random)};  // any plane through the centre, wherever the sphere is
-    EXPECT_NEAR(energy_of(floor_rows(x, area, plane, 3.0), x) / (3.0 * radius * radius / 6.0), 1.0, 2e-3);
+    const ScalarRows rows = floor_rows(sphere, plane, 3.0);
+    EXPECT_NEAR(energy_of(rows, sphere.x()) / (3.0 * radius * radius / 6.0), 1.0, 2e-3);
     const Plane beyond{centre + 1.001 * radius * plane.normal, plane.normal};
-    EXPECT_EQ(floor_rows(x, area, beyond, 3.0).size(), 0U);
+    EXPECT_EQ(floor_rows(sphere, beyond, 3.0).size(), 0U);
   }
 }
 
@@ -67,11 +68,19 @@ TEST(Floor, derivative_by_the_unknowns_of_the_model_is_that_of_the_value) {
   for (int trial = 0; trial < 5; ++trial) {
     const Parameters p = random_ellipsoid(random);
     const Plane plane{Vec3(p[0], p[1], p[2]) + 2.0 * random_direction(random), random_direction(random)};
-    const std::vector<Vec3> x = samples_at(p, layout).x;
-    const std::vector<double> area = sample_areas(layout, x);
-    // dE/dx = C^T r, then the model's adjoint: what src/fit/objective.h does for every energy.
-    const ScalarRows rows = floor_rows(x, area, plane, 0.7);
+    const SampledSurface surface(layout, samples_at(p, layout));
+    const std::vector<Vec3>& x = surface.x();
+    // dE/dx = C^T r, then the model's adjoint: what src/solve/objective.h does for every energy.
+    const ScalarRows rows = floor_rows(surface, plane, 0.7);
     ASSERT_GT(rows.size(), 20U);
+    const auto energy = [&](const Parameters& at) {  // areas are those of the step's beginning
+      double total = 0.0;
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const double beyond = plane.normal.dot(samples_at(at, layout).x[i] - plane.point);
+        total += 0.7 * surface.area()[i] / surface.total_area() * std::pow(std::max(0.0, beyond), 2);
+      }
+      return total;
+    };
     std::vector<Vec3> dE_dx(x.size(), Vec3::Zero());
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const auto k = static_cast<std::size_t>(rows.start[r]);
@@ -85,11 +94,41 @@ TEST(Floor, derivative_by_the_unknowns_of_the_model_is_that_of_the_value) {
       Parameters before = p, after = p;
       before[k] -= 1e-4;
       after[k] += 1e-4;
-      const double slope =
-          (floor_energy(after, layout, area, plane) - floor_energy(before, layout, area, plane)) / 2e-4;
+      const double slope = (energy(after) - energy(before)) / 2e-4;
       EXPECT_NEAR(gradient[k], slope, 1e-4 * largest) << "unknown " << k;
     }
   }
+}
+
+TEST(Floor, a_row_of_ones_own_takes_part_in_a_stage) {
+  const EnergyKind& floor = kMine[0];
+  const Image<float> image(ImageGrid{.size = {40, 40, 40},
+                                     .spacing = Vec3::Ones(),
+                                     .origin_in_world = Vec3::Constant(-19.5),
+                                     .direction = Mat3::Identity()});
+  const SurfaceModel model = start_model({});
+  const ExpertPoints no_points;
+  GeometryCache geometry;
+  const Observer nobody;
+  const Stage stage{.name = "dish",
+                    .detail = 1,
+                    .energies = {{floor, 1.0}, {energy::bending, 1e-4}, {energy::spacing, 0.05}},
+                    .smoothing = 0.0,
+                    .max_steps = 30,
+                    .tolerance = 1e-4};
+  EXPECT_NO_THROW(stage.validate());
+  Candidate ball{.surface = {model, on_ellipsoid(model, Vec3(0, 0, 5), 9.0 * Mat3::Identity())}};
+  const auto lowest = [&] {
+    double z = 1e9;
+    for (const Vec3& v : tessellate(ball.surface, 3).vertices) z = std::min(z, v.z());
+    return z;
+  };
+  EXPECT_LT(lowest(), -3.0);
+  const StageOutcome outcome = run_stage({image, no_points, geometry, nobody}, {stage}, ball);
+  EXPECT_EQ(ball.status, FitStatus::ok) << ball.reason;
+  EXPECT_GT(lowest(), -0.3);
+  ASSERT_TRUE(outcome.summary.energy_after.contains("floor"));
+  EXPECT_LT(outcome.summary.energy_after.at("floor"), 0.01 * outcome.summary.energy_before.at("floor"));
 }
 
 TEST(Ellipsoid, samples_and_normals_are_those_of_the_ellipsoid) {

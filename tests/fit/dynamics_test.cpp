@@ -38,8 +38,8 @@ struct Lump {
       targets.weight[i] = 1.0 + 0.5 * u.x();
     }
     operators.push_back(grouped_operator("bending", 1e-3, bending_rows(layout), layout));
-    rows.push_back({energy::edge, offset_rows(samples, targets, 1.0)});
-    rows.push_back({energy::spacing, spacing_rows(samples, 0.1)});
+    rows.push_back({"edge", offset_rows(samples, targets, 1.0)});
+    rows.push_back({"spacing", spacing_rows(samples, 0.1)});
   }
   Lump(const Lump&) = delete;
   static Surface start(ModelKind kind) {

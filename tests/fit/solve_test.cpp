@@ -38,12 +38,12 @@ struct Step {
     problem.model = &surface.model;
     problem.layout = &layout;
     problem.operators = &operators;
-    problem.rows.push_back({energy::edge, offset_rows(samples, targets, 1.0)});
-    problem.rows.push_back({energy::spacing, spacing_rows(samples, 0.1)});
+    problem.rows.push_back({"edge", offset_rows(samples, targets, 1.0)});
+    problem.rows.push_back({"spacing", spacing_rows(samples, 0.1)});
     if (with_scalar) {
       const double volume = samples.volume(), total = samples.total_area();
       const SampleLayout* of = &layout;
-      problem.scalars.push_back({energy::inflation, [=](const auto& x, const auto& a, auto& dx, auto&) {
+      problem.scalars.push_back({"inflation", [=](const auto& x, const auto& a, auto& dx, auto&) {
                                    return inflation(facet_volume(*of, x), volume, total, 1.0, 0.5, a, dx);
                                  }});
     }

@@ -144,7 +144,7 @@ TEST(Settings, RefusesWhatThisVersionCannotDo) {
   EXPECT_NO_THROW(good.validate());
   SegmentSettings many = good;
   many.points.reset();
-  many.fit.energies.clear();
+  many.fit.energies = {};
   many.objects = Objects::many;
   many.radius = RadiusRange{2.0, 4.0};
   EXPECT_NO_THROW(many.validate());
