@@ -30,7 +30,8 @@ int run_fit(const GeometryFitSettings& settings, const std::vector<std::string>&
 
 Run add_fit(CLI::App& app, const std::vector<std::string>& command_line) {
   app.footer(
-      "Coordinates are LPS mm as they stand in the file. A table on stdout, one line per fit: residuals of the data to the "
+      "Coordinates are LPS mm as they stand in the file. A table on stdout, one line per fit: residuals of the data to "
+      "the "
       "surface.\n"
       "Exit code 3: the surface cuts itself or misses the tolerance (files are written, the report says why).\n"
       "Example: pellicle fit -i bunny.ply -o out --model spline --ladder 10,20,40");

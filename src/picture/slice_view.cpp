@@ -74,10 +74,10 @@ void draw_letters(Canvas& canvas, const SliceAxes& axes) {
 /// A slice on its canvas: what it shows, and where each voxel comes to lie.
 struct SliceFrame {
   SliceAxes axes;
-  Span across = {}, down = {};    ///< index coordinates along the picture
-  double scale = 1.0;   ///< pixels per mm, the same in both directions
-  double middle = 0.0;  ///< of the canvas, pixels
-  int slice = 0;        ///< along the third axis
+  Span across = {}, down = {};  ///< index coordinates along the picture
+  double scale = 1.0;           ///< pixels per mm, the same in both directions
+  double middle = 0.0;          ///< of the canvas, pixels
+  int slice = 0;                ///< along the third axis
 
   Vec2 pixel_of(const Vec3& index, const Vec3& spacing) const {
     return {middle + axes.right_sign * (index[axes.right] - across.middle()) * spacing[axes.right] * scale,

@@ -49,7 +49,9 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       for (const auto& [energy, weight] : *node.as_table()) {
         const EnergyKind* kind = find_energy(energy.str());
         if (kind == nullptr)
-          throw SettingError("unknown energy", "energy", std::string(energy.str()), "see `energy` list").at(where);
+          throw SettingError(fmt::format("unknown energy '{}'", energy.str()), "energy", std::string(energy.str()),
+                             "see `energy` list")
+              .at(where);
         stage.energies[*kind] = number_of(scalar_text(weight, where), where);
       }
     } else {

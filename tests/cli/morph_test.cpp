@@ -78,7 +78,7 @@ TEST_F(MorphProgram, RefusesWithTheCodeOfTheContractAndOneLine) {
   for (const Wrong& wrong :
        {Wrong{good, "other.json", {}, 64, "6 control points"}, Wrong{good, "absent.json", {}, 66, "absent.json"},
         Wrong{good, "broken.json", {}, 65, "broken.json"}, Wrong{good, good, {"--steps", "0"}, 64, "--steps 0"},
-        Wrong{good, good, {"--space", "cube"}, 64, "plane or sphere"},
+        Wrong{good, good, {"--space", "cube"}, 64, "plane, sphere"},
         Wrong{good, good, {"--from", "2", "--to", "2"}, 64, "--to 2"},
         Wrong{good, good, {"--from", "nan"}, 64, "--from nan"},
         Wrong{good, good, {"--mesh-density", "9"}, 64, "--mesh-density 9"},
