@@ -149,7 +149,7 @@ void add_image_rows(SettingTable<P>& table) {
 
 // Keys that were given and go with the other kind of phantom.
 std::vector<std::string> useless_keys(const P& p) {
-  const auto given = [](std::vector<std::pair<const char*, bool>> all) {
+  const auto given = [](const std::vector<std::pair<const char*, bool>>& all) {
     std::vector<std::string> keys;
     for (const auto& [key, is_given] : all) {
       if (is_given) keys.emplace_back(key);

@@ -188,7 +188,9 @@ std::vector<double> curvature_correction(const std::vector<double>& curvature, d
 TermOutput EdgeTerm::operator()(const StepView& step) {
   const Reading& hypothesis = step.hypothesis;
   const double h = step.h, extent = (hypothesis.ridge ? 8.25 : 4.25) * h;
-  window = std::max(1.75, step.step == 0 ? 2.5 : std::pow(0.9, 1.0 / step.delay) * window);
+  constexpr double kWidest = 2.5, kNarrowest = 1.75;  // h
+  const double first = step.continued ? kNarrowest : kWidest;
+  window = std::max(kNarrowest, step.step == 0 ? first : std::pow(0.9, 1.0 / step.delay) * window);
   const Profiles profiles = sample_profiles(TrilinearField(*step.image), step.surface, extent, extent, 0.25 * h);
   EdgeMeasurement m =
       measure_edge(profiles, *step.surface.graph, {h, window, hypothesis.ridge, hypothesis.sign > 0.0 ? 1 : -1});
@@ -206,7 +208,7 @@ TermOutput EdgeTerm::operator()(const StepView& step) {
     out.found.levels->inside = median_of(m.inside);
     out.found.levels->outside = median_of(m.outside);
   }
-  out.found.searching = step.step < 3;
+  out.found.searching = !step.continued && step.step < 3;
   out.pull = std::move(m.targets);
   return out;
 }

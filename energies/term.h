@@ -37,8 +37,9 @@ struct StepView {
   double smoothing_mm = 0.0;            ///< of the working image
   double reach_mm = 0.0;                ///< how far the first search of the stage looks along the normals
   int step = 0, steps = 1;              ///< of the stage: this one, counted from 0, and at most so many
-  double delay = 1.0;  ///< by how much slower a surface with mass and damping follows (solve/dynamics.h)
-  int detail = 0;      ///< refinements of the control mesh so far
+  double delay = 1.0;      ///< by how much slower a surface with mass and damping follows (solve/dynamics.h)
+  bool continued = false;  ///< the surface rested on this image before: no wide search first
+  int detail = 0;          ///< refinements of the control mesh so far
   const ExpertPoints* points = nullptr;
   std::optional<double> target_volume = {};  ///< mm^3
   OneOfMany one_of_many = {};

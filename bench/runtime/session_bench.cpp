@@ -45,13 +45,18 @@ struct Session {
 
 void move_one_point(benchmark::State& state) {
   Session session(state.range(0) == 0 ? ModelKind::normal : ModelKind::catmull_clark, static_cast<int>(state.range(1)));
+  StageRequest again = session.attempt.last;
+  again.continued = true;
   double shift = 1.0;
   for (auto _ : state) {
     session.points.points.front().x() += shift;
     shift = -shift;
     session.fit.set_points(session.points);
     Candidate candidate = session.attempt.now;
-    benchmark::DoNotOptimize(session.fit.advance(candidate, session.attempt.last));
+    const StageOutcome outcome = session.fit.advance(candidate, again);
+    state.counters["steps"] = outcome.summary.steps;
+    state.counters["solver_iterations"] = outcome.summary.solver_iterations;
+    state.counters["samples"] = outcome.summary.samples;
   }
   state.counters["control_points"] = control_point_count(session.attempt.now.surface.model);
 }

@@ -30,9 +30,9 @@ void validate_motion(const Motion& motion, const std::string& key) {
           "nothing holds the surface back, mass and damping are both 0; give one of them");
 }
 
-void validate(const ExpertPoints& given) {
-  const std::vector<Vec3>& points = given.points;
-  const std::vector<double>& weights = given.weights;
+void validate(const ExpertPoints& expert) {
+  const std::vector<Vec3>& points = expert.points;
+  const std::vector<double>& weights = expert.weights;
   require(weights.empty() || weights.size() == points.size(), "expert points", "points",
           fmt::format("{} points and {} weights", points.size(), weights.size()));
   bool usable = points.empty();

@@ -20,7 +20,7 @@ enum class Boundary { automatic, step, ridge };   ///< a change of level, or a t
 enum class StartRule { automatic, sphere, rays, head };
 
 /// \throws SettingError for points that are not finite and weights that break a rule.
-void validate(const ExpertPoints& points);
+void validate(const ExpertPoints& expert);
 
 /// One stage of a fit: which energies, with what weights, on what image, with how many control points. What a plan
 /// (plan.h) holds is what runs: nothing below it decides again.

@@ -26,7 +26,7 @@ namespace {
 void keep_within(const SearchLimit& limit, const SampleView& surface, NormalTargets& targets) {
   parallel_for(targets.weight.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (limit.outline.query(surface.x[i], limit.length).triangle < 0) targets.weight[i] = 0.0;
+      if (!limit.outline.is_within(surface.x[i], limit.length)) targets.weight[i] = 0.0;
     }
   });
 }
@@ -108,14 +108,8 @@ class StageRun {
   std::vector<Vec3> before_;  ///< samples a time step ago
 };
 
-// Of many small objects each is too short a job to lay out samples anew.
 double StageRun::area_now() const {
-  const SurfaceModel& model = state_.surface.model;
-  if (weights_.uses(&EnergyTraits::for_many)) {
-    return SampledSurface(context_.geometry.get(model, 2).layout, state_.surface).total_area();
-  }
-  const SampleLayout own = layout_of(model, 2);
-  return SampledSurface(own, state_.surface).total_area();
+  return SampledSurface(context_.geometry.get(state_.surface.model, 2).layout, state_.surface).total_area();
 }
 
 void StageRun::prepare() {
@@ -190,6 +184,7 @@ void StageRun::ask_terms(const SampledSurface& g, int step) {
                 .step = step,
                 .steps = max_steps_,
                 .delay = delay_,
+                .continued = request_.continued,
                 .detail = state_.detail,
                 .points = &context_.points,
                 .one_of_many = state_.one_of_many};

@@ -15,6 +15,7 @@ struct StageRequest {
   double first_reach_mm = 0.0;  ///< reach of the first search; 0: the stage's own
   bool hold_out = false;        ///< leave every fourth sample (of edges) and expert point out, and measure there
   int trace_every = 0;          ///< keep every n-th step in the candidate's trace; 0: none
+  bool continued = false;       ///< the candidate rested at this stage before; only the points changed
   bool all_samples = false;     ///< the last stage: about one sample per voxel along the surface
 };
 

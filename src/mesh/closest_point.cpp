@@ -64,6 +64,7 @@ struct Search {
   Vec3 point;
   int triangle = -1;
   double distance2;
+  bool any_will_do = false;  ///< the first facet within the distance ends the search
 };
 
 bool visit(RTCPointQueryFunctionArguments* args) {
@@ -78,6 +79,10 @@ bool visit(RTCPointQueryFunctionArguments* args) {
     s.point = y;
     s.triangle = id;
     s.distance2 = d2;
+    if (s.any_will_do) {
+      args->query->radius = 0.0F;
+      return true;
+    }
     const auto radius = static_cast<float>(std::sqrt(d2) * s.scale * (1.0 + 1e-6) + s.margin);
     if (radius < args->query->radius) {
       args->query->radius = radius;
@@ -125,24 +130,44 @@ ClosestPoint::Hit ClosestPoint::query(const Vec3& x) const {
   return query(x, std::numeric_limits<double>::infinity());
 }
 
+namespace {
+
+void run_query(const EmbreeScene& scene, double within_mm, Search& search) {
+  const Vec3 q = search.x * search.scale;
+  search.margin = 1e-6 * (1.0 + q.cwiseAbs().maxCoeff());
+  RTCPointQuery query;
+  query.x = static_cast<float>(q.x());
+  query.y = static_cast<float>(q.y());
+  query.z = static_cast<float>(q.z());
+  query.time = 0.0F;
+  query.radius = static_cast<float>(within_mm * search.scale * (1.0 + 1e-6) + search.margin);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene.scene(), &query, &context, &visit, &search);
+}
+
+}  // namespace
+
 ClosestPoint::Hit ClosestPoint::query(const Vec3& x, double within_mm) const {
   Search search{&scene_->vertices,    &scene_->triangles, x - scene_->centre, scene_->scale, 0.0, x, -1,
                 within_mm * within_mm};
-  if (!scene_->triangles.empty()) {
-    const Vec3 q = search.x * scene_->scale;
-    search.margin = 1e-6 * (1.0 + q.cwiseAbs().maxCoeff());
-    RTCPointQuery query;
-    query.x = static_cast<float>(q.x());
-    query.y = static_cast<float>(q.y());
-    query.z = static_cast<float>(q.z());
-    query.time = 0.0F;
-    query.radius = static_cast<float>(within_mm * scene_->scale * (1.0 + 1e-6) + search.margin);
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene_->embree.scene(), &query, &context, &visit, &search);
-  }
+  if (!scene_->triangles.empty()) run_query(scene_->embree, within_mm, search);
   if (search.triangle < 0) return {x, -1, std::numeric_limits<double>::infinity()};
   return {search.point + scene_->centre, search.triangle, std::sqrt(search.distance2)};
+}
+
+bool ClosestPoint::is_within(const Vec3& x, double within_mm) const {
+  Search search{&scene_->vertices,
+                &scene_->triangles,
+                x - scene_->centre,
+                scene_->scale,
+                0.0,
+                x,
+                -1,
+                within_mm * within_mm,
+                true};
+  if (!scene_->triangles.empty()) run_query(scene_->embree, within_mm, search);
+  return search.triangle >= 0;
 }
 
 }  // namespace pellicle

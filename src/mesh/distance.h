@@ -27,6 +27,8 @@ class ClosestPoint {
   Hit query(const Vec3& x) const;
   /// The same where a point lies within `within_mm`, else triangle -1 and an infinite distance. Much faster when tight.
   Hit query(const Vec3& x, double within_mm) const;
+  /// Whether `query(x, within_mm)` finds a facet. Much faster where many facets are near.
+  bool is_within(const Vec3& x, double within_mm) const;
 
  private:
   struct Scene;

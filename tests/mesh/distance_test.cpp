@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/base/random.h"
 #include "test_meshes.h"
 
 namespace pellicle {
@@ -138,6 +139,20 @@ TEST(SampleSurface, SharesFollowArea) {
   ASSERT_EQ(points.size(), 10000U);
   for (const Vec3& x : points) second += x.x() > 50 ? 1 : 0;
   EXPECT_NEAR(second / 10000.0, 0.8, 0.01);
+}
+
+// The quick question has the answer of the exact one, also at the very distance.
+TEST(ClosestPoint, IsWithinAgreesWithQuery) {
+  const TriangleMesh mesh = test::sphere(3, 10.0);
+  const ClosestPoint nearest(mesh);
+  RandomEngine random(5);
+  for (int k = 0; k < 500; ++k) {
+    const Vec3 x(random.uniform(-14.0, 14.0), random.uniform(-14.0, 14.0), random.uniform(-14.0, 14.0));
+    const double distance = nearest.query(x).distance, limit = random.uniform(0.0, 6.0);
+    EXPECT_EQ(nearest.is_within(x, limit), nearest.query(x, limit).triangle >= 0);
+    EXPECT_TRUE(nearest.is_within(x, distance * (1.0 + 1e-9)));
+    EXPECT_FALSE(nearest.is_within(x, distance * (1.0 - 1e-9)));
+  }
 }
 
 }  // namespace

@@ -189,6 +189,18 @@ TEST(Settings, StemDropsExtensionsOfVolumesOnly) {
   EXPECT_EQ(stem("1.2.840.113"), "1.2.840.113");
 }
 
+TEST(SegmentSettings, AnEnergyThatIsNotInTheTableIsNamedInTheError) {
+  SegmentSettings settings;
+  try {
+    apply_toml_text("[[stage]]\nname = 'a'\n[stage.energies]\nregoin = 1\n", "run.toml", settings);
+    FAIL() << "an unknown energy was taken";
+  } catch (const SettingError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("regoin"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("run.toml:4"));
+  }
+  EXPECT_THROW(apply_toml_text("energy = {gravity = 1}\n", "run.toml", settings), SettingError);
+}
+
 TEST(Presets, AreListedDescribedAndValid) {
   const auto presets = list_presets();
   std::vector<std::string> names;
