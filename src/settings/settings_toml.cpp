@@ -47,12 +47,15 @@ Stage stage_of(const toml::table& table, const std::string& origin) {
       stage.motion.damping = number();
     } else if (name == "energies" && node.is_table()) {
       for (const auto& [energy, weight] : *node.as_table()) {
-        const EnergyKind* kind = find_energy(energy.str());
-        if (kind == nullptr)
-          throw SettingError(fmt::format("unknown energy '{}'", energy.str()), "energy", std::string(energy.str()),
+        const std::string energy_name(energy.str());
+        const std::string at = place_of(origin, weight, fmt::format("stage.energies.{}", energy_name));
+        const EnergyKind* kind = find_energy(energy_name);
+        if (kind == nullptr) {
+          throw SettingError(fmt::format("unknown energy '{}'", energy_name), "energy", energy_name,
                              "see `energy` list")
-              .at(where);
-        stage.energies[*kind] = number_of(scalar_text(weight, where), where);
+              .at(at);
+        }
+        stage.energies[*kind] = number_of(scalar_text(weight, at), at);
       }
     } else {
       throw UsageError(
