@@ -86,7 +86,7 @@ FitResult fit_surface(const FitInput& input, const FitOptions& options, const Ob
   const std::size_t last = attempts.all.size() - 1;
   FitResult result = result_of(attempts.all, last, margin_of(attempts.all, last));
   result.summary.status = FitStatus::doubtful;
-  result.summary.reason = "the seed is kept, the image leads it nowhere: " + failure;
+  result.summary.reason = "the seed is kept because the fit from it failed: " + failure;
   return result;
 }
 

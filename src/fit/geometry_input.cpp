@@ -192,7 +192,7 @@ GeometryInput geometry_of_mesh(TriangleMesh mesh, const std::string& name, bool 
   if (!surface || open) {
     if (!open) {
       input.warnings.push_back(fmt::format(
-          "the mesh is no closed surface of one part ({}): it is treated as points",
+          "the mesh is not a closed surface of one part ({}): it is treated as points",
           topology.first_fault.empty() ? fmt::format("{} parts", topology.components) : topology.first_fault));
     }
     input.data.points = sample_surface(mesh, 3 * kMeshSamples);

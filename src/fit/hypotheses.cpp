@@ -207,7 +207,7 @@ std::vector<Candidate> similarity_hypotheses(const Image<float>& image, const Se
   for (int j = 0; j <= 8; ++j) {
     const double range = 1.5 * noise * std::pow(2.0, 0.5 * j);
     Candidate hypothesis = candidate_from(start_model(options.model), seed.center, seed.radius * Mat3::Identity());
-    hypothesis.reading = {fmt::format("{}alike {:.4g} +- {:.4g}", prefix, level, range),
+    hypothesis.reading = {fmt::format("{}similar to {:.4g} +- {:.4g}", prefix, level, range),
                           1.0,
                           false,
                           0.0,

@@ -109,7 +109,7 @@ Verdict verdict_on(const Attempt& attempt, const std::optional<double>& seed_sha
   }
   if (margin > 0.0 && margin < (attempt.now.reading.similarity ? kSimilarMargin : kMargin)) {
     return {FitStatus::ambiguous,
-            fmt::format("another reading of another size has nearly the same evidence (margin {:.2f}); give a seed or "
+            fmt::format("another hypothesis of another size has nearly the same evidence (margin {:.2f}); give a seed or "
                         "settings",
                         margin)};
   }

@@ -118,7 +118,7 @@ std::vector<double> LevelFit::weights_of(const std::vector<Attachment>& at) cons
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] *= sound[k];
   }
   for (std::size_t k = 0; k < emphasis_.size(); ++k) weights[k] *= emphasis_[k];
-  // The other side of a sheet is no match.
+  // The other side of a sheet does not match.
   for (std::size_t k = 0; k < chosen_normal_.size(); ++k) {
     if (chosen_normal_[k].dot(at[k].normal) < 0.0) weights[k] = 0.0;
   }
@@ -197,7 +197,7 @@ void LevelFit::step() {
   observer_.check_stopped();
   const SampledSurface now(layout_, surface_);
   const std::vector<Attachment> at = attach(chosen_, now);
-  const double half = data_surface_ ? 0.5 : 1.0;  // springs and reverse springs count alike
+  const double half = data_surface_ ? 0.5 : 1.0;  // springs and reverse springs count the same
   std::vector<NamedRows> rows;
   rows.push_back({"springs", spring_rows(layout_, chosen_, at, weights_of(at), total_weight_, 0.0, half)});
   if (data_surface_) {

@@ -80,10 +80,10 @@ class LevelFit {
   std::vector<std::vector<int>> border_;  ///< samples on the border of an open surface
   std::vector<Vec3> data_normals_, chosen_, chosen_normal_, held_out_;
   std::vector<double> given_weight_, held_out_weight_;
-  std::vector<double> emphasis_;  ///< one a chosen point, >= 1 (bound_residuals); empty: 1 each
+  std::vector<double> emphasis_;  ///< one per chosen point, >= 1 (bound_residuals); empty: 1 each
   double total_weight_ = 0.0;
   double deviation_ = 1e-4;         ///< least robust deviation, of the diameter
-  std::vector<double> stiffening_;  ///< one a patch, >= 1, times the bending there
+  std::vector<double> stiffening_;  ///< one per patch, >= 1, times the bending there
   std::vector<bool> folding_;       ///< patches that the last step folded
   int steps_ = 0, iterations_ = 0;
   bool cut_ = false;  ///< it cuts itself already

@@ -34,7 +34,7 @@ struct ObjectFit {
 };
 
 void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& piece, const Territory& territory,
-           Domain domain, ObjectFit& c) {
+           Intensities intensities, ObjectFit& c) {
   const StageGeometry& geometry = cache.get(c.state.surface.model, 2);
   const SampledSurface samples(geometry.layout, c.state.surface);
   const BodyReading reading =
@@ -49,7 +49,7 @@ void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& pie
   double weak = 0.0;
   for (const double s : reading.support) weak += s < 0.25 ? 1.0 : 0.0;
   c.weak_share = weak / static_cast<double>(reading.support.size());
-  if (domain == Domain::linear) return;
+  if (intensities == Intensities::original) return;
   // How uneven the object is, in linear intensities (v^2 - 1): a bright core in a faint rim, or one level.
   const auto linear = [](double v) { return v * v - 1.0; };
   const std::vector<double> values = values_inside(TrilinearField(piece), samples.x(), reading.centroid, 4);
@@ -62,7 +62,7 @@ void judge(const ManyScene& scene, GeometryCache& cache, const Image<float>& pie
 }
 
 /// Fits every candidate that is still kept, from its own start.
-void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const std::vector<double>* typical,
+void fit_all(const ManyScene& scene, GeometryCache& cache, Intensities intensities, const std::vector<double>* typical,
              std::vector<ObjectFit>& candidates, const Observer& observer) {
   const ExpertPoints no_points;
   std::atomic<std::size_t> done{0};
@@ -72,7 +72,7 @@ void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const 
       if (!c.kept) continue;
       observer.check_stopped();
       const Territory territory = territory_of(scene, i, c.start);
-      const Image<float> piece = piece_of(scene, territory, domain);
+      const Image<float> piece = piece_of(scene, territory, intensities);
       c.state = start_of(scene, c.start, territory);
       c.state.one_of_many = {&territory.own, scene.radius, typical};
       c.stages.clear();
@@ -80,7 +80,7 @@ void fit_all(const ManyScene& scene, GeometryCache& cache, Domain domain, const 
       for (const Stage& stage : scene.stages) {
         if (c.state.status == FitStatus::ok) c.stages.push_back(run_stage(context, {stage}, c.state).summary);
       }
-      judge(scene, cache, piece, territory, domain, c);
+      judge(scene, cache, piece, territory, intensities, c);
       c.state.one_of_many = {};
       const std::size_t now = ++done;
       if (now % 16 == 0)
@@ -100,7 +100,7 @@ std::size_t reject(std::vector<ObjectFit>& candidates, const std::vector<bool>& 
   return gone;
 }
 
-std::vector<BodyEvidence> evidences(const std::vector<ObjectFit>& candidates) {
+std::vector<BodyEvidence> evidence_of_all(const std::vector<ObjectFit>& candidates) {
   std::vector<BodyEvidence> list;
   list.reserve(candidates.size());
   for (const ObjectFit& c : candidates) {
@@ -187,12 +187,12 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<ObjectF
   result.dark = scene.field.intensity.dark;
   result.radius = scene.radius;
   result.seeds = candidates.size();
-  const std::vector<BodyEvidence> first = evidences(candidates);
+  const std::vector<BodyEvidence> first = evidence_of_all(candidates);
   const double ground = ground_deviation(scene.field, scene.radius, surfaces(candidates), kept(candidates));
-  const std::vector<bool> believable = like_the_others(first, typical_body(first), ground, scene.settings.radius);
+  const std::vector<bool> believable = accepted_objects(first, typical_body(first), ground, scene.settings.radius);
   if (found) result.weak = reject(candidates, believable);
   std::vector<ObjectFit> stable = candidates;
-  fit_all(scene, cache, Domain::linear, nullptr, candidates, observer.part(0.55, 0.9));
+  fit_all(scene, cache, Intensities::original, nullptr, candidates, observer.part(0.55, 0.9));
   result.variation = median_variation(candidates);
   // Bright cores in faint rims: the linear image shows the cores only. There the stabilised one is kept, and what an
   // object of this kind looks like helps where its own rim does not.
@@ -201,7 +201,7 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<ObjectF
     candidates = std::move(stable);
     if (!typical.empty()) {
       result.typical_shape = true;
-      fit_all(scene, cache, Domain::stable, &typical, candidates, observer.part(0.9, 1.0));
+      fit_all(scene, cache, Intensities::stabilised, &typical, candidates, observer.part(0.9, 1.0));
     }
   }
   for (ObjectFit& c : candidates) {
@@ -210,7 +210,7 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<ObjectF
       ++result.weak;
     }
   }
-  result.doubled = reject(candidates, not_doubled(surfaces(candidates), evidences(candidates), kept(candidates)));
+  result.doubled = reject(candidates, without_duplicates(surfaces(candidates), evidence_of_all(candidates), kept(candidates)));
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     ObjectFit& c = candidates[i];
     if (!c.kept) continue;
@@ -279,9 +279,9 @@ ManyResult fit_many(Image<float> image, const ManySettings& settings, const Obse
     if (candidates.empty()) return nothing;
     observer.tell_progress(0.1, "territories");
     const ManyScene scene = scene_of(image, settings, field, radius, candidates);
-    fit_all(scene, cache, Domain::stable, nullptr, candidates, observer.part(0.15, 0.55));
+    fit_all(scene, cache, Intensities::stabilised, nullptr, candidates, observer.part(0.15, 0.55));
     // The objects themselves say best how large they are. Once, and not far from what the scales say.
-    const double fitted = typical_body(evidences(candidates)).radius / kFittedByScale;
+    const double fitted = typical_body(evidence_of_all(candidates)).radius / kFittedByScale;
     const double seen = std::clamp(fitted, 0.75 * radius, radius / 0.75);
     if (again && std::abs(std::log(seen / radius)) > 0.05) {
       radius = seen;
@@ -296,7 +296,7 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
   settings.fit.validate();
   if (seeds.empty()) return {};
   const BlobField field = blob_field(image, wants_dark(image, settings.fit));
-  const double given = typical_given(seeds);
+  const double given = typical_radius_of_seeds(seeds);
   // A click says little of the size; the image is asked, within a factor of two.
   const bool balls = std::holds_alternative<SeedSphere>(seeds.front());
   const RadiusRange range = settings.radius.value_or(RadiusRange{0.5 * given, 2.0 * given});
@@ -319,7 +319,7 @@ ManyResult fit_many(Image<float> image, const std::vector<Seed>& seeds, const Ma
   }
   const ManyScene scene = scene_of(image, settings, field, radius, candidates);
   GeometryCache cache;
-  fit_all(scene, cache, Domain::stable, nullptr, candidates, observer.part(0.15, 0.55));
+  fit_all(scene, cache, Intensities::stabilised, nullptr, candidates, observer.part(0.15, 0.55));
   const std::size_t repeats = seeds.size() - candidates.size();
   ManyResult result = run(scene, cache, std::move(candidates), false, observer);
   result.seeds = seeds.size();

@@ -29,8 +29,8 @@ struct BodyEvidence {
   double contrast = 0.0;  ///< median inside minus median of the ground beside it
   double drop = 0.0;      ///< median fall of the intensity across the surface, where it meets background
   double support = 0.0;   ///< the same over the local contrast, 0..1
-  double limited = 0.0;   ///< share of the visible surface that ends at a neighbour's territory
-  double visible = 1.0;   ///< share of the area inside the image
+  double limited = 0.0;   ///< fraction of the visible surface that ends at a neighbour's territory
+  double visible = 1.0;   ///< fraction of the area inside the image
   double radius = 0.0;    ///< of the ball of equal volume, mm
 };
 
@@ -53,7 +53,7 @@ struct ManyResult {
 /// Where objects seem to be, as balls of their typical radius, the clearest first: what fit_many starts from.
 std::vector<SeedSphere> detect_many(const Image<float>& image, const ManySettings& settings);
 
-/// Finds and fits. The image is smoothed in place: move it in where it is not needed any more. No object is no error.
+/// Finds and fits. The image is smoothed in place: move it in where it is not needed any more. It is not an error when there is no object.
 /// \throws UsageError for settings that break a rule; Interrupted.
 ManyResult fit_many(Image<float> image, const ManySettings& settings, const Observer& observer = {});
 

@@ -118,24 +118,24 @@ TypicalBody typical_body(const std::vector<BodyEvidence>& evidence) {
           median_over(evidence, good, &BodyEvidence::response), typical_radius(evidence, good), usual};
 }
 
-std::vector<bool> like_the_others(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
+std::vector<bool> accepted_objects(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
                                   double ground_deviation, const std::optional<RadiusRange>& range) {
   const std::size_t n = evidence.size();
   std::vector<bool> alike(n);
   for (std::size_t i = 0; i < n; ++i) {
     const BodyEvidence& e = evidence[i];
-    const bool alike_in_all =
+    const bool as_the_others =
         e.contrast > 0.5 * typical.contrast && e.drop > 0.4 * typical.drop && e.response >= 0.5 * typical.response;
     const bool outstanding = e.drop > 6.0 * ground_deviation;
     const double volume = std::pow(e.radius / typical.radius, 3);
     const bool size =
         range ? e.radius >= 0.8 * range->min && e.radius <= 1.25 * range->max : volume > 0.1 && volume < 5.0;
-    alike[i] = e.radius > 0.0 && (alike_in_all || outstanding) && e.support > 0.7 * typical.support && size;
+    alike[i] = e.radius > 0.0 && (as_the_others || outstanding) && e.support > 0.7 * typical.support && size;
   }
   return alike;
 }
 
-std::vector<bool> not_doubled(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
+std::vector<bool> without_duplicates(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
                               const std::vector<bool>& counted) {
   std::vector<double> radii;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {

@@ -25,11 +25,11 @@ TypicalBody typical_body(const std::vector<BodyEvidence>& evidence);
 
 /// Those whose contrast, drop and response are not far below the median of the good fits, or that stand out clearly
 /// from a clean ground, and whose size is not far off (or in `range`). A radius of 0 marks a fit that failed.
-std::vector<bool> like_the_others(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
+std::vector<bool> accepted_objects(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
                                   double ground_deviation, const std::optional<RadiusRange>& range);
 
 /// Of two that share more than half of the smaller, the one with less evidence goes.
-std::vector<bool> not_doubled(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
+std::vector<bool> without_duplicates(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
                               const std::vector<bool>& counted);
 
 }  // namespace pellicle

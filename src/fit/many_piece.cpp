@@ -71,11 +71,11 @@ Territory territory_of(const ManyScene& scene, std::size_t object, const ManySta
   return t;
 }
 
-Image<float> piece_of(const ManyScene& scene, const Territory& territory, Domain domain) {
+Image<float> piece_of(const ManyScene& scene, const Territory& territory, Intensities intensities) {
   const IndexBox box = box_around(scene.image.grid, territory.low, territory.high, 0.3 * scene.radius);
   Image<float> piece = crop_and_bin(scene.image, box, {1, 1, 1});
   const StableIntensity& intensity = scene.field.intensity;
-  for (float& v : piece.voxels) v = domain == Domain::stable ? intensity(v) : intensity.linear(v);
+  for (float& v : piece.voxels) v = intensities == Intensities::stabilised ? intensity(v) : intensity.linear(v);
   return piece;
 }
 
@@ -101,7 +101,7 @@ Candidate start_of(const ManyScene& scene, const ManyStart& start, const Territo
   return state;
 }
 
-double typical_given(const std::vector<Seed>& seeds) {
+double typical_radius_of_seeds(const std::vector<Seed>& seeds) {
   std::vector<double> radii;
   radii.reserve(seeds.size());
   for (const Seed& seed : seeds) {

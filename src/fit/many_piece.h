@@ -32,8 +32,8 @@ struct ManyScene {
   std::vector<Stage> stages;
 };
 
-/// Which intensities a fit sees.
-enum class Domain { stable, linear };
+/// Which intensities a fit works on: variance-stabilised ones, or the image's own.
+enum class Intensities { stabilised, original };
 
 /// One object's territory: 1 inside, 0 elsewhere, and the box of what lies near the seed.
 struct Territory {
@@ -49,7 +49,7 @@ std::pair<SurfaceModel, int> model_of_many(const FitOptions& settings);
 Territory territory_of(const ManyScene& scene, std::size_t object, const ManyStart& start);
 
 /// The piece of the image that one fit sees.
-Image<float> piece_of(const ManyScene& scene, const Territory& territory, Domain domain);
+Image<float> piece_of(const ManyScene& scene, const Territory& territory, Intensities intensities);
 
 /// As fits see it: voxels of a 16th of the radius at least, smoothed. Once for all, since pieces overlap.
 Image<float> smoothed_for_many(Image<float> image, const FitOptions& settings, double radius);
@@ -58,7 +58,7 @@ Image<float> smoothed_for_many(Image<float> image, const FitOptions& settings, d
 Candidate start_of(const ManyScene& scene, const ManyStart& start, const Territory& territory);
 
 /// Typical radius of seeds that were given, mm.
-double typical_given(const std::vector<Seed>& seeds);
+double typical_radius_of_seeds(const std::vector<Seed>& seeds);
 
 Vec3 middle_of(const Seed& seed);
 

@@ -16,8 +16,8 @@ namespace pellicle {
 /// What is fitted to, LPS mm.
 struct GeometryData {
   std::vector<Vec3> points;
-  std::vector<Vec3> normals;            ///< outward, one a point (zero: not known); empty: none is known
-  std::vector<double> weights;          ///< one a point, >= 0; empty: all alike
+  std::vector<Vec3> normals;            ///< outward, one per point (zero: not known); empty: none is known
+  std::vector<double> weights;          ///< one per point, >= 0; empty: 1 each
   std::optional<TriangleMesh> surface;  ///< closed and outward when the data are one: samples are pulled to it as well
   std::vector<RimCurve> rim;            ///< where an open surface ends; empty: it is closed
   bool robust = true;                   ///< points far off are outliers
@@ -38,7 +38,7 @@ struct Correspondence {
 struct PointFitSettings {
   int max_steps = 25;          ///< springs attached anew so often at most, a level
   double smoothness = 1.0;     ///< factor of the bending energy
-  double improvement = 0.005;  ///< a level ends when a step gains less, as a share of the residual
+  double improvement = 0.005;  ///< a level ends when a step gains less, as a fraction of the residual
   /// mm: points further off count more and more until none is, as far as the model can; of data without outliers
   /// (GeometryData::robust). Not set: least squares.
   std::optional<double> largest_residual = {};
@@ -54,7 +54,7 @@ struct PointFitSummary {
   double held_out_rms = -1.0;  ///< mm, of the points left out; -1: none were
   Residual to_surface, to_data;
   double inlier_rms = 0.0;  ///< mm, data to surface, robust weights
-  /// Share of noisy points that lie beside the surface together with their neighbours, on one side, further than noise
+  /// Fraction of noisy points that lie beside the surface together with their neighbours, on one side, further than noise
   /// puts them (five robust deviations, one per cent of the diameter): a part that the surface does not show.
   double astray_share = 0.0;
   std::size_t self_intersections = 0;

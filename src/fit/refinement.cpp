@@ -21,7 +21,7 @@ bool measures(const Stage& stage, const std::vector<Stage>& stages) {
   return stage.energies.uses(edges ? &EnergyTraits::localises : &EnergyTraits::needs_points);
 }
 
-const char* kDroppedSamples = "dropped: samples left out are not foretold better";
+const char* kNotPredicted = "dropped: held-out samples are not predicted better";
 
 }  // namespace
 
@@ -46,7 +46,7 @@ std::optional<Refined> choose_detail(SurfaceFit& fit, Attempt& attempt) {
       break;
     }
     if (best && (failed || !(outcome.held_out_rms < kGain * best->outcome.held_out_rms))) {
-      attempt.stages.back().note = kDroppedSamples;
+      attempt.stages.back().note = kNotPredicted;
       break;
     }
     best = Refined{attempt.now, outcome, stages[s]};
@@ -68,7 +68,7 @@ void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best) {
       Candidate candidate = best.candidate;
       StageOutcome outcome = fit.advance(candidate, {.stage = stage, .hold_out = true});
       const bool better = candidate.status == FitStatus::ok && outcome.held_out_rms < best.outcome.held_out_rms;
-      if (!better) outcome.summary.note = kDroppedSamples;
+      if (!better) outcome.summary.note = kNotPredicted;
       attempt.stages.push_back(outcome.summary);
       if (!better) break;
       best.candidate = std::move(candidate);
@@ -90,7 +90,7 @@ void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best) {
       fit.advance(candidate, {.stage = alone, .first_reach_mm = candidate.first_reach_mm, .hold_out = true});
   const bool better =
       candidate.status == FitStatus::ok && outcome.held_out_points < kPointsGain * best.outcome.held_out_points;
-  if (!better) outcome.summary.note = "dropped: points left out are foretold better with the image";
+  if (!better) outcome.summary.note = "dropped: held-out points are predicted better with the image";
   attempt.stages.push_back(outcome.summary);
   if (better) best = {std::move(candidate), std::move(outcome), std::move(alone)};
 }

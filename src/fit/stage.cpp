@@ -244,7 +244,7 @@ void StageRun::take(const Term& term, const SampleView& surface, PointTargets ta
 
 bool StageRun::healthy(const SampledSurface& g) {
   if (!std::isfinite(g.volume()) || !std::isfinite(g.total_area()))
-    return failed(FitStatus::folded, "the solver met numbers that are not finite");
+    return failed(FitStatus::folded, "the solver met values that are not finite");
   if (g.volume() < 0.0) return failed(FitStatus::inside_out, "the surface turned inside out");
   if (g.volume() < 4.0 * std::pow(h_in_, 3))
     return failed(FitStatus::collapsed, "the surface shrank to less than four voxels");
@@ -285,7 +285,7 @@ void StageRun::advance(int step) {
   before_ = now_->x();
   now_ = std::move(next);
   if (!outcome.usable || !healthy(*now_)) {
-    if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no way on: " + outcome.message);
+    if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no further step: " + outcome.message);
     summary.termination = Termination::failed;
     summary.failure = state_.status;
     ended_ = true;

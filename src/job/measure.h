@@ -29,7 +29,7 @@ class MeshLayouts {
 };
 
 /// Fills mesh, topology, self-intersections, volume and area of each object, and the shape of many. Meshes of many
-/// objects are coarser: facets of about a voxel, at most 4000 of them. A surface that cuts itself is no longer ok but
+/// objects are coarser: facets of about a voxel, at most 4000 of them. A surface that intersects itself is not ok but
 /// folded.
 /// \param grid of the image: what lies outside is not visible.
 /// \pre options.many: each object has a shape.

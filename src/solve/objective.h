@@ -66,7 +66,7 @@ struct StepProblem {
 
 struct StepOutcome {
   int iterations = 0;
-  bool usable = false;  ///< false: the solver met numbers that are not finite; parameters are unchanged
+  bool usable = false;  ///< false: the solver met values that are not finite; parameters are unchanged
   bool moved = true;    ///< false: no step was accepted although the gradient is not zero
   std::string message;
 };

@@ -139,7 +139,7 @@ std::vector<std::uint32_t> find_pages(TiffFile& file, const Page& first) {
         throw_bad_volume(file.path,
                          fmt::format("page {} is {}x{} of {} bits, page 1 is {}x{} of {} bits", directory + 1,
                                      page.width, page.height, page.bits, first.width, first.height, first.bits),
-                         "all pages of a stack must be alike");
+                         "all pages of a stack must be of one size and type");
       }
       pages.push_back(directory);
     }
@@ -159,7 +159,7 @@ void check_one_volume(const TiffSpacing& spacing, int pages, const fs::path& pat
     throw_bad_volume(path, fmt::format("the description tells of {} slices, but the file has one page", spacing.slices),
                      "save the stack as a multi-page or OME TIFF in one file");
   }
-  if (pages == 1) throw_bad_volume(path, "a single page, which is a 2D image", "give a stack of pages, one a slice");
+  if (pages == 1) throw_bad_volume(path, "a single page, which is a 2D image", "give a stack of pages, one per slice");
   if (spacing.slices > 0 && spacing.slices != pages) {
     throw_bad_volume(path,
                      fmt::format("the description tells of {} slices, the file has {} pages", spacing.slices, pages),

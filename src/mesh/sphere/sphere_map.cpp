@@ -289,7 +289,7 @@ SphereMap map_to_sphere(const TriangleMesh& mesh, const SphereMapSettings& setti
   check_indices(mesh);
   const MeshTopology topology = topology_of(mesh);
   if (!topology.closed || !topology.manifold || !topology.oriented) {
-    throw BadData(fmt::format("spherical map (mesh): it is no closed surface ({})", topology.first_fault));
+    throw BadData(fmt::format("spherical map (mesh): it is not a closed surface ({})", topology.first_fault));
   }
   if (topology.components != 1 || topology.genus != 0) {
     throw BadData(fmt::format("spherical map (mesh): it has {} parts of genus {} in all; one of genus 0 is needed",
