@@ -14,7 +14,7 @@
 #include "hosts/slicer_progress.h"
 #include "pellicle/base/errors.h"
 #include "pellicle/energies/energy_kinds.h"
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many.h"
 #include "pellicle/output/preset_by_image.h"
 #include "pellicle/output/seed_preview.h"
 #include "pellicle/output/segment_files.h"

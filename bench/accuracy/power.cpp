@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit.h"
 #include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/icosphere.h"
 #include "sections.h"

@@ -3,6 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "pellicle/fit/refinement.h"
 #include "pellicle/fit/surface_fit.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/synthetic/phantom.h"
@@ -28,7 +29,7 @@ struct Session {
         fit(phantom().image, points, options(kind, detail)),
         attempt(fit.propose(SeedSphere{phantom().natural_center, 50.0}).front()) {
     fit.try_out(attempt);
-    fit.refine(attempt);
+    refine_by_prediction(fit, attempt);
   }
   static FitOptions options(ModelKind kind, int detail) {
     FitOptions options;

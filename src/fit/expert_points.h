@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "pellicle/fit/fit.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/fit/stage.h"
 
 namespace pellicle {

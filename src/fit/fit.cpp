@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "pellicle/fit/refinement.h"
 #include "pellicle/fit/surface_fit.h"
 
 namespace pellicle {
@@ -76,7 +77,7 @@ FitResult fit_surface(const FitInput& input, const FitOptions& options, const Ob
   // Margins compare like with like, before the best is refined; should refining take its lead away, that counts as
   // well.
   const double lead = margin_of(attempts.all, attempts.best);
-  fit.refine(best);
+  refine_by_prediction(fit, best);
   const double refined_lead = margin_of(attempts.all, attempts.best);
   const double margin = lead < 0.0 || refined_lead < 0.0 ? std::max(lead, refined_lead) : std::min(lead, refined_lead);
   std::optional<Attempt> given = seed_as_given(fit, seeds, best);

@@ -28,10 +28,10 @@ std::string to_string(FitStatus status);
 
 /// What the original image says of a surface (docs/energies.md).
 struct Evidence {
-  double score = 0.0;       ///< p25(away) / (sd inside + noise/2) x fraction inside the image; < 0.3 is not to be trusted
-  double contrast = 0.0;    ///< median over samples of |inside - outside|, in intensity units
-  double noise = 0.0;       ///< robust sd of the image about its local median
-  double weak_share = 1.0;  ///< fraction of the area with less than a quarter of the median contrast
+  double score = 0.0;     ///< p25(away) / (sd inside + noise/2) x fraction inside the image; < 0.3 is not to be trusted
+  double contrast = 0.0;  ///< median over samples of |inside - outside|, in intensity units
+  double noise = 0.0;     ///< robust sd of the image about its local median
+  double weak_share = 1.0;     ///< fraction of the area with less than a quarter of the median contrast
   double outside_share = 0.0;  ///< fraction of the area outside the image
   double returning_share =
       0.0;  ///< fraction of the samples behind whose edge, 4.5 to 8 h out, the image is like the inside again

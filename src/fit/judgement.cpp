@@ -108,10 +108,11 @@ Verdict verdict_on(const Attempt& attempt, const std::optional<double>& seed_sha
         fmt::format("the surface left its seed: they share {:.0f} % of the smaller one's volume", 100.0 * *seed_share)};
   }
   if (margin > 0.0 && margin < (attempt.now.reading.similarity ? kSimilarMargin : kMargin)) {
-    return {FitStatus::ambiguous,
-            fmt::format("another hypothesis of another size has nearly the same evidence (margin {:.2f}); give a seed or "
-                        "settings",
-                        margin)};
+    return {
+        FitStatus::ambiguous,
+        fmt::format("another hypothesis of another size has nearly the same evidence (margin {:.2f}); give a seed or "
+                    "settings",
+                    margin)};
   }
   return {};
 }

@@ -3,7 +3,7 @@
 
 #include "pellicle/energies/energy_kinds.h"
 #include "pellicle/fit/fit.h"
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/image/reorder.h"
 #include "pellicle/mask/moments.h"

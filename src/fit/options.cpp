@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pellicle/fit/plan.h"
 #include "pellicle/fit/setting_rules.h"
 
 namespace pellicle {
+
+Motion motion_of(Motion motion, const FitOptions& options) {
+  motion.time_step = options.time_step.value_or(motion.time_step);
+  motion.mass = options.mass.value_or(motion.mass);
+  motion.damping = options.damping.value_or(motion.damping);
+  return motion;
+}
 
 namespace {
 

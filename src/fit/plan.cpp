@@ -10,13 +10,6 @@
 
 namespace pellicle {
 
-Motion motion_of(Motion motion, const FitOptions& options) {
-  motion.time_step = options.time_step.value_or(motion.time_step);
-  motion.mass = options.mass.value_or(motion.mass);
-  motion.damping = options.damping.value_or(motion.damping);
-  return motion;
-}
-
 namespace {
 
 // How many steps are a limit is said for a surface that follows its forces at once; one that moves with mass and

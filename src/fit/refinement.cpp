@@ -95,7 +95,9 @@ void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best) {
   if (better) best = {std::move(candidate), std::move(outcome), std::move(alone)};
 }
 
-void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
+namespace {
+
+void run_policies(SurfaceFit& fit, Attempt& attempt) {
   std::optional<Refined> best = choose_detail(fit, attempt);
   if (!best) return;  // no stage measures anything: what they led to stands
   attempt.now = best->candidate;
@@ -106,6 +108,13 @@ void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
   best->stage.name = "all samples";
   attempt.last = {.stage = best->stage, .all_samples = true};
   attempt.stages.push_back(fit.advance(attempt.now, attempt.last).summary);
+}
+
+}  // namespace
+
+void refine_by_prediction(SurfaceFit& fit, Attempt& attempt) {
+  run_policies(fit, attempt);
+  attempt.judgement = fit.judge(attempt.now);
 }
 
 }  // namespace pellicle

@@ -26,7 +26,7 @@ void choose_smoothness(SurfaceFit& fit, Attempt& attempt, Refined& best);
 /// so (the image shows edges of another polarity, or of another object).
 void choose_image_or_points(SurfaceFit& fit, Attempt& attempt, Refined& best);
 
-/// All three in turn, then the chosen stage with all samples.
+/// All three in turn, then the chosen stage with all samples; judges the attempt again.
 void refine_by_prediction(SurfaceFit& fit, Attempt& attempt);
 
 }  // namespace pellicle

@@ -4,7 +4,8 @@
 #include <string>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/fit/settings.h"
+#include "pellicle/energies/energy_kind.h"
+#include "pellicle/solve/solver.h"
 
 namespace pellicle {
 

@@ -285,7 +285,8 @@ void StageRun::advance(int step) {
   before_ = now_->x();
   now_ = std::move(next);
   if (!outcome.usable || !healthy(*now_)) {
-    if (state_.status == FitStatus::ok) failed(FitStatus::folded, "the solver found no further step: " + outcome.message);
+    if (state_.status == FitStatus::ok)
+      failed(FitStatus::folded, "the solver found no further step: " + outcome.message);
     summary.termination = Termination::failed;
     summary.failure = state_.status;
     ended_ = true;

@@ -6,7 +6,6 @@
 
 #include "pellicle/base/errors.h"
 #include "pellicle/fit/hypotheses.h"
-#include "pellicle/fit/refinement.h"
 
 namespace pellicle {
 
@@ -50,11 +49,6 @@ void SurfaceFit::try_out(Attempt& attempt) {
     attempt.stages.push_back(advance(attempt.now, request).summary);
     attempt.last = {.stage = request.stage};
   }
-  attempt.judgement = judge(attempt.now);
-}
-
-void SurfaceFit::refine(Attempt& attempt) {
-  refine_by_prediction(*this, attempt);
   attempt.judgement = judge(attempt.now);
 }
 

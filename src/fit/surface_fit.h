@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pellicle/base/observer.h"
-#include "pellicle/fit/fit.h"
 #include "pellicle/fit/judgement.h"
+#include "pellicle/fit/options.h"
 #include "pellicle/fit/stage.h"
 
 namespace pellicle {
@@ -34,10 +34,6 @@ class SurfaceFit {
 
   /// Advances an attempt to where candidates are compared, and judges it.
   void try_out(Attempt& attempt);
-  /// The remaining stages of the chosen attempt: detail, smoothness, image or points alone (refinement.h); judges it
-  /// again.
-  void refine(Attempt& attempt);
-
   /// From now on the surface is drawn to these points. \throws SettingError for weights that break a rule.
   void set_points(ExpertPoints points);
 

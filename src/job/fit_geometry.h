@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "pellicle/base/phase_clock.h"
-#include "pellicle/fit/size_search.h"
+#include "pellicle/fit/geometry/size_search.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {

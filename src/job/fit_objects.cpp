@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pellicle/base/errors.h"
+#include "pellicle/fit/fit.h"
 #include "pellicle/job/internal/fit_objects.h"
 
 namespace pellicle {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many.h"
 #include "pellicle/image/image_grid.h"
 
 namespace pellicle {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pellicle/fit/geometry_input.h"
+#include "pellicle/fit/geometry/geometry_input.h"
 
 namespace pellicle {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many.h"
 #include "pellicle/output/report_json.h"
 #include "pellicle/settings/settings_toml.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/size_search.h"
+#include "pellicle/fit/geometry/size_search.h"
 #include "pellicle/mesh/files/mesh_file.h"
 #include "pellicle/settings/setting_table.h"
 

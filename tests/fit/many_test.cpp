@@ -6,7 +6,7 @@
 
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/body.h"
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/raster/joint_labels.h"

@@ -1,5 +1,5 @@
 // Fits to geometry: exact shapes, invariance, detail, noise, outliers, holes.
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit.h"
 
 #include <gmock/gmock.h>
 

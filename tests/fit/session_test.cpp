@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fit_cases.h"
+#include "pellicle/fit/refinement.h"
 #include "pellicle/mesh/distance.h"
 
 namespace pellicle {
@@ -26,7 +27,7 @@ class Session : public testing::Test {
         fit_(phantom_.image, points_, options()),
         attempt_(fit_.propose(SeedSphere{phantom_.natural_center, 8.0}).front()) {
     fit_.try_out(attempt_);
-    fit_.refine(attempt_);
+    refine_by_prediction(fit_, attempt_);
   }
   static FitOptions options() {
     FitOptions options;

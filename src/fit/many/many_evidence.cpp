@@ -1,4 +1,4 @@
-#include "pellicle/fit/many_evidence.h"
+#include "pellicle/fit/many/many_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +119,7 @@ TypicalBody typical_body(const std::vector<BodyEvidence>& evidence) {
 }
 
 std::vector<bool> accepted_objects(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
-                                  double ground_deviation, const std::optional<RadiusRange>& range) {
+                                   double ground_deviation, const std::optional<RadiusRange>& range) {
   const std::size_t n = evidence.size();
   std::vector<bool> alike(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -136,7 +136,7 @@ std::vector<bool> accepted_objects(const std::vector<BodyEvidence>& evidence, co
 }
 
 std::vector<bool> without_duplicates(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
-                              const std::vector<bool>& counted) {
+                                     const std::vector<bool>& counted) {
   std::vector<double> radii;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     if (counted[i] && evidence[i].radius > 0.0) radii.push_back(evidence[i].radius);

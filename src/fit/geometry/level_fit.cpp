@@ -1,4 +1,4 @@
-#include "pellicle/fit/level_fit.h"
+#include "pellicle/fit/geometry/level_fit.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/rim_springs.h"
+#include "pellicle/fit/geometry/measuring_mesh.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/solve/hold_out.h"

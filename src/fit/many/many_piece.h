@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many_types.h"
 #include "pellicle/fit/stage.h"
 #include "pellicle/seed/territories.h"
 

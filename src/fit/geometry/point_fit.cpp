@@ -1,4 +1,4 @@
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,7 +8,7 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/geometry.h"
 #include "pellicle/energies/profiles.h"
-#include "pellicle/fit/level_fit.h"
+#include "pellicle/fit/geometry/level_fit.h"
 #include "pellicle/mesh/distance.h"
 #include "pellicle/mesh/measure.h"
 #include "pellicle/mesh/points/point_tree.h"
@@ -113,17 +113,6 @@ PointFit fit_from(const Surface& start, const GeometryData& data, const PointFit
   fit.springs();
   fit.bound_residuals();
   return fit.result(seconds_since(begin));
-}
-
-int measuring_level(const SurfaceModel& model) {
-  const auto facets = [&](int level) { return base_facets(model) * std::pow(4.0, level); };
-  int level = 2;
-  while (facets(level) < std::max(10000.0, 30.0 * control_point_count(model)) && facets(level + 1) < 250000.0) ++level;
-  return level;
-}
-
-TriangleMesh measuring_mesh(const Surface& surface) {
-  return tessellate(surface, measuring_level(surface.model));
 }
 
 namespace {

@@ -2,7 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "pellicle/fit/level_fit.h"
+#include "pellicle/fit/geometry/level_fit.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pellicle/energies/body.h"
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many_types.h"
 
 namespace pellicle {
 
@@ -26,10 +26,10 @@ TypicalBody typical_body(const std::vector<BodyEvidence>& evidence);
 /// Those whose contrast, drop and response are not far below the median of the good fits, or that stand out clearly
 /// from a clean ground, and whose size is not far off (or in `range`). A radius of 0 marks a fit that failed.
 std::vector<bool> accepted_objects(const std::vector<BodyEvidence>& evidence, const TypicalBody& typical,
-                                  double ground_deviation, const std::optional<RadiusRange>& range);
+                                   double ground_deviation, const std::optional<RadiusRange>& range);
 
 /// Of two that share more than half of the smaller, the one with less evidence goes.
 std::vector<bool> without_duplicates(const std::vector<Surface>& surfaces, const std::vector<BodyEvidence>& evidence,
-                              const std::vector<bool>& counted);
+                                     const std::vector<bool>& counted);
 
 }  // namespace pellicle

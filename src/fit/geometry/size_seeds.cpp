@@ -1,4 +1,4 @@
-#include "pellicle/fit/internal/size_seeds.h"
+#include "pellicle/fit/geometry/internal/size_seeds.h"
 
 #include <algorithm>
 #include <numbers>

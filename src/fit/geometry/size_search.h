@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pellicle/base/observer.h"
-#include "pellicle/fit/geometry_input.h"
+#include "pellicle/fit/geometry/geometry_input.h"
 
 namespace pellicle {
 

@@ -1,4 +1,4 @@
-#include "pellicle/fit/many.h"
+#include "pellicle/fit/many/many.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,9 @@
 #include "pellicle/base/parallel.h"
 #include "pellicle/energies/body.h"
 #include "pellicle/energies/energy_kinds.h"
-#include "pellicle/fit/many_evidence.h"
-#include "pellicle/fit/many_piece.h"
+#include "pellicle/fit/many/many_evidence.h"
+#include "pellicle/fit/many/many_piece.h"
+#include "pellicle/fit/plan.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {
@@ -210,7 +211,8 @@ ManyResult run(const ManyScene& scene, GeometryCache& cache, std::vector<ObjectF
       ++result.weak;
     }
   }
-  result.doubled = reject(candidates, without_duplicates(surfaces(candidates), evidence_of_all(candidates), kept(candidates)));
+  result.doubled =
+      reject(candidates, without_duplicates(surfaces(candidates), evidence_of_all(candidates), kept(candidates)));
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     ObjectFit& c = candidates[i];
     if (!c.kept) continue;

@@ -5,7 +5,7 @@
 
 #include "pellicle/energies/bending.h"
 #include "pellicle/energies/geometry.h"
-#include "pellicle/fit/level_fit.h"
+#include "pellicle/fit/geometry/level_fit.h"
 #include "pellicle/mesh/measure.h"
 
 namespace pellicle {

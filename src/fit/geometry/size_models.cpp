@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "pellicle/fit/internal/size_models.h"
+#include "pellicle/fit/geometry/internal/size_models.h"
 
 namespace pellicle {
 

@@ -4,8 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "pellicle/base/observer.h"
 #include "pellicle/energies/springs.h"
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit_types.h"
 #include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/solve/step_solver.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pellicle/fit/point_fit.h"
+#include "pellicle/fit/geometry/point_fit.h"
 #include "pellicle/image/image.h"
 #include "pellicle/mesh/files/point_file.h"
 

@@ -1,4 +1,4 @@
-#include "pellicle/fit/size_search.h"
+#include "pellicle/fit/geometry/size_search.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pellicle/base/errors.h"
-#include "pellicle/fit/internal/size_models.h"
-#include "pellicle/fit/internal/size_seeds.h"
+#include "pellicle/fit/geometry/internal/size_models.h"
+#include "pellicle/fit/geometry/internal/size_seeds.h"
 #include "pellicle/surface/spline/spline_interpolation.h"
 
 namespace pellicle {

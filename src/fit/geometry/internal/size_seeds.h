@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pellicle/base/observer.h"
-#include "pellicle/fit/geometry_input.h"
+#include "pellicle/fit/geometry/geometry_input.h"
 #include "pellicle/mesh/points/point_tree.h"
 #include "pellicle/seed/voxel_seed.h"
 

@@ -1,4 +1,4 @@
-#include "pellicle/fit/geometry_input.h"
+#include "pellicle/fit/geometry/geometry_input.h"
 
 #include <fmt/format.h>
 

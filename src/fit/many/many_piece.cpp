@@ -1,4 +1,4 @@
-#include "pellicle/fit/many_piece.h"
+#include "pellicle/fit/many/many_piece.h"
 
 #include <algorithm>
 #include <array>

@@ -1,12 +1,10 @@
 #pragma once
-/// Fitting a surface to geometry: points or a closed surface, no image.
+/// What a surface is fitted to when there is no image, and what such a fit gives.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pellicle/base/observer.h"
-#include "pellicle/fit/fit.h"
 #include "pellicle/mesh/points/rim.h"
 #include "pellicle/mesh/sphere/sphere_map.h"
 #include "pellicle/surface/surface.h"
@@ -23,10 +21,6 @@ struct GeometryData {
   bool robust = true;                   ///< points far off are outliers
   double diameter = 0.0;                ///< mm, see diameter_of
 };
-/// A closed surface as data: itself, turned outward, and `samples` points spread over it, with its normals.
-GeometryData data_of(TriangleMesh surface, int samples);
-/// Largest distance between two points (extremes along 200 directions), mm. 0 for fewer than two.
-double diameter_of(const std::vector<Vec3>& points);
 
 /// A first guess which place of the data belongs to which place of the reference shape. Known for spheres
 /// (mesh/sphere/sphere_map.h); a model that starts near the data needs none.
@@ -54,8 +48,8 @@ struct PointFitSummary {
   double held_out_rms = -1.0;  ///< mm, of the points left out; -1: none were
   Residual to_surface, to_data;
   double inlier_rms = 0.0;  ///< mm, data to surface, robust weights
-  /// Fraction of noisy points that lie beside the surface together with their neighbours, on one side, further than noise
-  /// puts them (five robust deviations, one per cent of the diameter): a part that the surface does not show.
+  /// Fraction of noisy points that lie beside the surface together with their neighbours, on one side, further than
+  /// noise puts them (five robust deviations, one per cent of the diameter): a part that the surface does not show.
   double astray_share = 0.0;
   std::size_t self_intersections = 0;
   int genus = 0;         ///< border loops, if any, thought closed by discs
@@ -66,24 +60,5 @@ struct PointFit {
   Surface surface;
   PointFitSummary summary;
 };
-
-/// Places the reference shape so that a model of few control points follows the map best: for the spline this says
-/// where the poles go. \param probe a model of the kind that will be fitted, with about a hundred control points.
-Correspondence choose_axis(const SphereMap& map, const SurfaceModel& probe);
-
-/// Fits a model from scratch: least squares to the places that the correspondence names, then springs, attached anew
-/// until the residual stops falling. \param hold_out every tenth point takes no part; its residual is in the summary.
-/// \throws BadData when model and data do not fit together (no reference shape); Interrupted.
-PointFit fit_to_map(const SurfaceModel& model, const GeometryData& data, const Correspondence& correspondence,
-                    const PointFitSettings& settings, bool hold_out, const Observer& observer = {});
-/// The same for a surface that is near the data already.
-PointFit fit_from(const Surface& start, const GeometryData& data, const PointFitSettings& settings, bool hold_out,
-                  const Observer& observer = {});
-
-/// Residuals both ways and self-intersections, measured on a dense mesh of the surface.
-void measure_fit(const GeometryData& data, PointFit& fit);
-/// The mesh that measure_fit looks at: 10,000 facets and 30 a control point or more, at most 250,000.
-int measuring_level(const SurfaceModel& model);
-TriangleMesh measuring_mesh(const Surface& surface);
 
 }  // namespace pellicle
